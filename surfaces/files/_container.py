@@ -11,19 +11,19 @@ from __future__ import annotations
 
 import os
 import struct
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import h5py
 from h5py import _objects
 
-from surfaces.errors import AsperityError, FileFormatError
+from surfaces.errors import FileFormatError
 
-from ._schema import DAMAGED, brief, read_header
+from ._damage import naming_damage
+from ._schema import read_header
 
-__all__ = ["HEIGHTS", "find", "naming_damage", "opened", "require_sound"]
+__all__ = ["HEIGHTS", "find", "opened", "require_sound"]
 
 
 HEIGHTS = "heights"
@@ -50,24 +50,17 @@ def opened(path: Path) -> h5py.File:
         raise FileFormatError(f"{path}: no such file")
     if not path.is_file():
         raise FileFormatError(f"{path}: this is not a file")
-    try:
+    with naming_damage(path, "cannot be opened, truncated or damaged HDF5"):
         if not h5py.is_hdf5(path):
             raise FileFormatError(f"{path}: this is not an HDF5 file; its signature is missing")
         return h5py.File(path, "r", locking="best-effort")
-    except DAMAGED as error:
-        if isinstance(error, FileFormatError):
-            raise
-        raise FileFormatError(
-            f"{path}: cannot be opened, truncated or damaged HDF5 ({brief(error)}); "
-            "copy the file again from its source"
-        ) from error
 
 
 def require_sound(path: Path, dataset: str | None) -> None:
     """Refuse a file whose metadata hang or crash the HDF5 library."""
 
     def attempt() -> None:
-        with opened(path) as file, naming_damage(path):
+        with opened(path) as file, naming_damage(path, "damaged HDF5"):
             read_header(find(file, path, dataset))
 
     if path.is_file() and not _is_sound(path) and not _survives(attempt):
@@ -75,19 +68,6 @@ def require_sound(path: Path, dataset: str | None) -> None:
             f"{path}: damaged HDF5, its metadata hang or crash the HDF5 library; "
             "copy the file again from its source"
         )
-
-
-@contextmanager
-def naming_damage(path: Path) -> Iterator[None]:
-    """Turn what h5py raises on damaged metadata into one sentence."""
-    try:
-        yield
-    except AsperityError:
-        raise
-    except DAMAGED as error:
-        raise FileFormatError(
-            f"{path}: damaged HDF5 ({brief(error)}); copy the file again from its source"
-        ) from error
 
 
 def find(file: h5py.File, path: Path, name: str | None) -> h5py.Dataset:

@@ -14,13 +14,13 @@ import numpy as np
 from surfaces.errors import InputError
 from surfaces.units import metres_per
 
+from ._damage import DAMAGED, brief
+
 __all__ = [
-    "DAMAGED",
     "SCHEMA",
     "Fault",
     "Header",
     "array_faults",
-    "brief",
     "header_of",
     "plain",
     "read_header",
@@ -30,16 +30,6 @@ Tell = Callable[..., None]
 """Adds a fault of a dataset to those found: its text without the name, and whether it is fatal."""
 
 SCHEMA = "surface/1"
-DAMAGED = (
-    OSError,
-    RuntimeError,
-    ValueError,
-    KeyError,
-    TypeError,
-    OverflowError,
-    SystemError,
-)
-"""What h5py raises on a damaged file, by experience with mutated files."""
 
 _MAX_ATTRIBUTE = 1 << 20  # bytes
 _MAX_CHUNK = 1 << 30  # bytes
@@ -248,13 +238,6 @@ def _history(stated: Any, tell: Tell) -> tuple[Mapping[str, Any], ...]:
         tell(": history is not a JSON list of steps; it is kept as text", False)
         return ({"step": "history", "text": str(stated)},)
     return tuple(steps)
-
-
-def brief(error: BaseException) -> str:
-    """The reason inside an h5py message, on one line."""
-    text = " ".join(str(error).split())
-    inner = text[text.find("(") + 1 : text.rfind(")")] if "(" in text else text
-    return inner[:120] or type(error).__name__
 
 
 def _shown(value: Any) -> str:

@@ -167,12 +167,12 @@ def _reader(
     suffix = path.suffix.lower()
     if head == _HDF5_SIGNATURE or suffix in _HDF5:
         return _read_in_parts
-    from . import arrays, exchange, instruments
+    from . import arrays, instruments
 
-    if head.startswith(exchange.SDF_SIGNATURES):
-        return exchange.read_sdf
+    if head.startswith(instruments.SDF_SIGNATURES):
+        return instruments.read_sdf
     if suffix == ".x3p":
-        return exchange.read_x3p
+        return instruments.read_x3p
     if suffix in _PICTURES:
         from .pictures import read_picture
 

@@ -28,9 +28,10 @@ from surfaces.numerics import parallel
 from surfaces.numerics.memory import available_bytes, require_memory
 from surfaces.units import metres_per
 
-from ._container import find, naming_damage, opened, require_sound
+from ._container import find, opened, require_sound
+from ._damage import naming_damage
 from ._packing import ours, unpacked
-from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
+from ._schema import Fault, Header, plain, read_header
 from .stored_map import StoredMap
 from .zarr_array import is_zarr, read_zarr
 
@@ -222,13 +223,9 @@ class SurfaceFile:
             values = unpacked(self._dataset, rows, columns)
             if values is not None:
                 return values
-        try:
+        part = f"rows {rows[0]} to {rows[1]} of dataset {self._dataset.name}"
+        with naming_damage(self.path, f"{part} are damaged"):
             return np.asarray(self._dataset[slice(*rows), slice(*columns)])
-        except DAMAGED as error:
-            raise FileFormatError(
-                f"{self.path}: rows {rows[0]} to {rows[1]} of dataset {self._dataset.name} are "
-                f"damaged ({brief(error)}); copy the file again from its source"
-            ) from error
 
     def _origin(self, notes: Mapping[str, Any]) -> dict[str, Any]:
         """First step of the history of a map that carries none."""
@@ -294,7 +291,7 @@ def opened_parts(
     require_sound(path, dataset)
     file = opened(path)
     try:
-        with naming_damage(path):
+        with naming_damage(path, "damaged HDF5"):
             found = find(file, path, dataset)
             return file, found, *read_header(found, unit=unit, spacing=spacing)
     except BaseException:

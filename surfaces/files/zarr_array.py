@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from surfaces.errors import AsperityError, FileFormatError
+from surfaces.errors import FileFormatError
 
 from ._container import HEIGHTS
-from ._schema import DAMAGED, Fault, Header, array_faults, brief, header_of
+from ._damage import brief, naming_damage
+from ._schema import Fault, Header, array_faults, header_of
 
 __all__ = ["is_zarr", "read_zarr"]
 
@@ -38,7 +39,7 @@ def read_zarr(
         raise FileFormatError(
             f"{path}: Zarr needs a library ({brief(error)}): python -m pip install 'asperity[zarr]'"
         ) from error
-    try:
+    with naming_damage(path, "damaged Zarr", "folder"):
         found: Any = zarr.open(path, mode="r")
         if isinstance(found, zarr.Group):
             names = ", ".join(sorted(found.array_keys())) or "no array"
@@ -56,9 +57,3 @@ def read_zarr(
                 Fault(f"dataset {found.name} holds {stored} of its {found.nchunks} chunks")
             )
         return found, *header_of(found, dict(found.attrs), faults, unit=unit, spacing=spacing)
-    except AsperityError:
-        raise
-    except DAMAGED as error:
-        raise FileFormatError(
-            f"{path}: damaged Zarr ({brief(error)}); copy the folder again from its source"
-        ) from error

@@ -10,7 +10,7 @@ import mmap
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ from surfaces.numerics.stored_array import (
 )
 
 __all__ = [
-    "Change",
+    "Transform",
     "along_both",
     "available_bytes",
     "on_disk",
@@ -197,33 +197,29 @@ def _in_file(values: Any) -> bool:
     return isinstance(values, mmap.mmap)
 
 
-def along_both(
-    blocks: Blocks,
-    like: Source,
-    width: int,
-    shape: tuple[int, int],
-    rows: Change,
-    columns: Callable[[slice, NDArray[Any]], NDArray[Any]],
-    back: Change,
-    tallest: int = 0,
-) -> Source:
-    """An array changed along its rows, then along its columns, then along its rows again; on disk
-    if another of its shape is, and then by sections of columns.
+class Transform(NamedTuple):
+    """A change of an array along its rows, then along its columns, then along its rows again.
 
-    Parameters
+    Attributes
     ----------
-    blocks
-        Blocks of whole rows, each with the number of its first row.
-    like
-        The other array.
     width
         Columns after the first change.
-    shape
-        Rows after the second change, columns after the third.
     rows, columns, back
         The changes: of whole rows, of the whole columns of a slice, of whole rows.
     tallest
         Elements of a column while it is changed, if more than before and after.
+    """
+
+    width: int
+    rows: Change
+    columns: Callable[[slice, NDArray[Any]], NDArray[Any]]
+    back: Change
+    tallest: int = 0
+
+
+def along_both(blocks: Blocks, like: Source, shape: tuple[int, int], change: Transform) -> Source:
+    """An array of a shape, made by a change of blocks of whole rows, each with the number of its
+    first row; on disk if `like`, of the shape before, is, and then by sections of columns.
 
     Raises
     ------
@@ -231,6 +227,7 @@ def along_both(
         If memory or disk have no room.
     """
     count, made = len(like), shape[0]
+    width, rows, columns, back, tallest = change
     kind = rows(np.zeros((1, like.shape[1]))).dtype
     if isinstance(like, np.ndarray):
         changed = np.empty((count, width), kind)

@@ -41,7 +41,6 @@ __all__ = [
     "expand",
     "filter_columns",
     "filter_rows",
-    "spline_expansion",
     "spline_values",
 ]
 
@@ -219,14 +218,17 @@ def spline_values(flat, width, corners, first, weights, t, out, into):
     store(out, into, sums(found))
 
 
-@inner(**BORROWING)
-def spline_expansion(flat, corner, width, t_y, t_x):
-    """Value and derivatives per pixel (h, h_y, h_x, h_yy, h_xy, h_xx) at one point.
+@compiled(**BORROWING)
+def expand(flat, width, y, x):
+    """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) per pixel.
 
-    The coefficients are the 6 x 6 from `corner` on, t_y and t_x the fractions of a pixel.
+    At the pixel coordinates (y, x), anywhere within PAD - 5 pixels of the map. `flat` holds the
+    coefficients row by row, `width` in a row; those of the point are 6 x 6 from its corner on.
     """
-    y, x = splat(t_y), splat(t_x)
-    down, falling, bending = _taps(0, y), _taps(1, y), _taps(2, y)
+    row, col = math.floor(y), math.floor(x)
+    corner = (row + PAD - 2) * width + col + PAD - 2
+    part_y, part_x = splat(y - row), splat(x - col)
+    down, falling, bending = _taps(0, part_y), _taps(1, part_y), _taps(2, part_y)
     values = load(flat, corner)
     level, slope, bend = (
         lane(down, 0) * values,
@@ -238,7 +240,7 @@ def spline_expansion(flat, corner, width, t_y, t_x):
         level = multiply_add(lane(down, row), values, level)
         slope = multiply_add(lane(falling, row), values, slope)
         bend = multiply_add(lane(bending, row), values, bend)
-    across, steep, bent = _taps(0, x), _taps(1, x), _taps(2, x)
+    across, steep, bent = _taps(0, part_x), _taps(1, part_x), _taps(2, part_x)
     return (
         total(level * across),
         total(slope * across),
@@ -247,6 +249,13 @@ def spline_expansion(flat, corner, width, t_y, t_x):
         total(slope * steep),
         total(level * bent),
     )
+
+
+@compiled()
+def evaluate_all(flat, width, ys, xs, out):
+    """Heights at several points."""
+    for k in range(ys.size):
+        out[k] = expand(flat, width, ys[k], xs[k])[0]
 
 
 def coefficients(heights: Source, periodic: bool) -> NDArray[np.float64]:
@@ -286,23 +295,3 @@ def _coefficients(
     parallel.run(columns, parallel.lines(nx, out.size))
     parallel.run(rows, parallel.lines(len(out), out.size))
     return out
-
-
-@compiled()
-def expand(flat, width, y, x):
-    """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) per pixel.
-
-    At the pixel coordinates (y, x), anywhere within PAD - 5 pixels of the map. `flat` holds the
-    coefficients row by row, `width` in a row.
-    """
-    row = math.floor(y)
-    col = math.floor(x)
-    corner = (row + PAD - 2) * width + col + PAD - 2
-    return spline_expansion(flat, corner, width, y - row, x - col)
-
-
-@compiled()
-def evaluate_all(flat, width, ys, xs, out):
-    """Heights at several points."""
-    for k in range(ys.size):
-        out[k] = expand(flat, width, ys[k], xs[k])[0]

@@ -107,25 +107,6 @@ def _quartic(c, y, x):
 
 
 @inner()
-def wrapped(at, n):
-    """The coordinate inside the period n."""
-    if 0.0 <= at < n:
-        return at
-    while at < 0.0:
-        at += n
-    while at >= n:
-        at -= n
-    return at
-
-
-@inner()
-def nearest(at, n):
-    """The pixel at a coordinate inside the period n."""
-    pixel = int(at + 0.5)
-    return pixel if pixel < n else pixel - n
-
-
-@inner()
 def _newton(e):
     """Step of Newton's method uphill, with the absolute values of the principal curvatures.
 
@@ -177,13 +158,10 @@ def climb(heights, flat, width, labels, periodic, row, col, n, tilt, c):
         y += scale * step_y
         x += scale * step_x
         away = max(abs(y - row), abs(x - col))
-        at_y, at_x = y, x
-        if periodic:
-            at_y, at_x = wrapped(y, ny), wrapped(x, nx)
-        elif not (-0.5 <= y < ny - 0.5 and -0.5 <= x < nx - 0.5):
+        if not periodic and not (-0.5 <= y < ny - 0.5 and -0.5 <= x < nx - 0.5):
             break
         if away > 1.25:
-            label = labels[nearest(at_y, ny), nearest(at_x, nx)]
+            label = labels[math.floor(y + 0.5) % ny, math.floor(x + 0.5) % nx]
             if label >= 0 and label != n:
                 return float(row), float(col), e, 1 + label
         if away > (1.25 if local else 3.0):

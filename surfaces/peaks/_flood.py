@@ -23,15 +23,13 @@ _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
 @compiled()
-def ascend(
-    heights, periodic, above, inverse, link, peaks, flats, runs, start, stop, window, way, lows
-):
+def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, stop, window, way):
     """Link each flooded pixel of the rows [start, stop) to its steepest higher neighbor.
 
     `inverse` holds 1/distance to the neighbors above, beside and diagonal. Pixels without a higher
     neighbor are collected: strict peaks in `peaks`, members of plateaus in `flats`. `runs` gets the
-    first pixel and the end of each flooded run of a row. The lowest flooded height of each column
-    lowers `lows`; `window` (3, nx + 2) and `way` (nx,) are scratch. Returns the three counts.
+    first pixel and the end of each flooded run of a row; `window` (3, nx + 2) and `way` (nx,) are
+    scratch. Returns the three counts.
     """
     ny, nx = heights.shape
     inv_y, inv_x, inv_d = inverse
@@ -95,7 +93,6 @@ def ascend(
                 best = s if s > best else best
                 on = on if best >= 0.0 else top
                 way[c] = on if best != 0.0 else FLAT
-                lows[c] = z if z < lows[c] else lows[c]
             for c in range(first, j):
                 link[base + c] = -2 - base - c - way[c]
             if first == 0 and (way[0] + 1) % nx == 0:
@@ -127,7 +124,7 @@ def beside(p, k, shape, periodic):
 
 
 @compiled()
-def _spread(flat, shape, periodic, link, queue, at, tail):
+def spread(flat, shape, periodic, link, queue, at, tail):
     """Link the plateau around the `tail` pixels in the queue towards them, nearest first.
 
     `at` holds their row and column without wrapping. Returns the pixels in the queue.
@@ -168,7 +165,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
                 break
     for exit_ in range(tail):
         link[queue[exit_]] = -2 - found[exit_]
-    _spread(flat, shape, periodic, link, queue, at, tail)
+    spread(flat, shape, periodic, link, queue, at, tail)
     n_peaks = 0
     for p in flats:
         if link[p] != FLAT:
@@ -176,7 +173,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
         queue[0] = p
         at[0, 0], at[0, 1] = 0, 0
         link[p] = -2 - p
-        size = _spread(flat, shape, periodic, link, queue, at, 1)
+        size = spread(flat, shape, periodic, link, queue, at, 1)
         row, col = 0.0, 0.0
         for member in range(size):
             row += at[member, 0] / size
@@ -191,7 +188,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
         link[queue[0]] = -2 - queue[0]
         found[n_peaks] = queue[0]
         n_peaks += 1
-        _spread(flat, shape, periodic, link, queue, at, 1)
+        spread(flat, shape, periodic, link, queue, at, 1)
     return found[:n_peaks]
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
-from surfaces.numerics.stored_array import each_block
+from surfaces.numerics.stored_array import each_block, windows
 
 from . import _flood
 from .peaks import Peaks
@@ -85,10 +85,10 @@ def segment(
     level = -np.inf if above is None else float(above)
     stored = not isinstance(hm.source, np.ndarray)
     found = (flood_strips(hm, level) if stored else None) or _flood_all(hm, level)
-    summit, height, labels, counts, keys, tops, lowest = found
+    summit, height, labels, counts, keys, tops = found
     both = (
         lambda: unique_pairs(keys, tops, summit.size),
-        lambda: _merged(height, keys, tops, lowest, limit),
+        lambda: _merged(height, keys, tops, _lowest(hm, level), limit),
     )
     single = len(parallel.lines(hm.shape[0], hm.shape[0] * hm.shape[1])) == 1
     apart: Any = map if single else parallel.each  # as the map repaid a thread or not
@@ -132,14 +132,22 @@ def _flood_all(hm: HeightMap, above: float) -> Flooded:
         raise SurfaceError(
             f"the map has {heights.size} points, more than {_MOST_PIXELS}; crop or resample it"
         )
-    link, summit, runs, lowest = _links(heights, hm, above)
+    link, summit, runs = _links(heights, hm, above)
     summit = np.sort(summit)
     summit = summit[_falling(heights.ravel()[summit])]
     link[summit] = np.arange(summit.size)
     parallel.each(lambda some: _flood.follow(link, some), runs)
     labels = link.reshape(hm.shape)
     counts, keys, tops = _passes(heights, labels, hm.periodic, summit.size, runs)
-    return Flooded(summit, heights.ravel()[summit], labels, counts, keys, tops, lowest)
+    return Flooded(summit, heights.ravel()[summit], labels, counts, keys, tops)
+
+
+def _lowest(hm: HeightMap, above: float) -> float:
+    """Lowest height [m] of a map at or above another one; infinite if there is none."""
+    if above <= hm.roughness.lowest:
+        return hm.roughness.lowest
+    found = [rows[rows >= above].min(initial=np.inf) for _, _, rows in windows(hm.source)]
+    return float(min(found))
 
 
 def _merged(
@@ -192,8 +200,8 @@ def _limit(hm: HeightMap, min_prominence: float, wolf: float | None) -> float:
 
 def _links(
     heights: NDArray[np.float64], hm: HeightMap, above: float
-) -> tuple[NDArray[np.int32], NDArray[np.int64], list[NDArray[np.int32]], float]:
-    """Pointer map, summit pixels (any order), flooded runs by block, lowest height flooded."""
+) -> tuple[NDArray[np.int32], NDArray[np.int64], list[NDArray[np.int32]]]:
+    """Pointer map, summit pixels (any order), flooded runs by block."""
     link = np.empty(heights.size, np.int32)
     found = parallel.run(
         lambda start, stop: ascended(heights, hm, above, link, start, stop),
@@ -203,8 +211,7 @@ def _links(
     flats = np.concatenate([part[1] for part in found])
     if flats.size:
         summits.append(_flood.drain_plateaus(heights.ravel(), hm.shape, hm.periodic, link, flats))
-    runs = [part[2] for part in found]
-    return link, np.concatenate(summits).astype(np.int64), runs, min(part[3] for part in found)
+    return link, np.concatenate(summits).astype(np.int64), [part[2] for part in found]
 
 
 def _passes(

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.compiled import compiled
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import BLOCK_BYTES, StoredArray, rows_around
 
@@ -43,8 +42,6 @@ class Flooded(NamedTuple):
         Pixels of each basin, shape (n,).
     keys, passes
         Touching pairs as ``first * n + second``, some several times, and their passes [m].
-    lowest
-        Lowest height flooded [m].
     """
 
     summit: Pixels
@@ -53,7 +50,6 @@ class Flooded(NamedTuple):
     counts: Pixels
     keys: Pixels
     passes: Array
-    lowest: float
 
 
 class _Strip(NamedTuple):
@@ -72,8 +68,6 @@ class _Strip(NamedTuple):
         Pixels of each label.
     pairs, passes
         Labels on both sides of each pass, shape (k, 2), and its height [m].
-    lowest
-        Lowest height flooded [m].
     """
 
     summit: Pixels
@@ -82,7 +76,6 @@ class _Strip(NamedTuple):
     counts: Pixels
     pairs: Pixels
     passes: Array
-    lowest: float
 
 
 def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
@@ -128,15 +121,8 @@ def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
         rows = labels[first : first + step]
         labels.write(first, np.append(name, -1)[rows])
     key, passes = np.concatenate(keys), np.concatenate([strip.passes for strip in strips])
-    return Flooded(
-        summit[order],
-        height[order],
-        labels,
-        counts,
-        key[key >= 0],
-        passes[key >= 0],
-        min(strip.lowest for strip in strips),
-    )
+    held = key >= 0
+    return Flooded(summit[order], height[order], labels, counts, key[held], passes[held])
 
 
 def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | None:
@@ -147,12 +133,12 @@ def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | Non
         above_all, below_all = not hm.periodic and top <= 0, not hm.periodic and last + halo >= ny
         begin, end = -top if above_all else 1, ny - top if below_all else len(window) - 1
         link = np.full(window.size, -1, np.int32)
-        peaks, flats, runs, _ = ascended(window, hm, above, link, begin, end)
+        peaks, flats, runs = ascended(window, hm, above, link, begin, end)
         flat = flats.astype(np.int64)
         ends = [row for row, whole in ((begin, above_all), (end - 1, below_all)) if not whole]
         cut = flat[np.isin(flat // nx, ends)]
         rows = first - top - 1, last - top + 1
-        if not _reach(window.ravel(), window.shape, hm.periodic, link, cut, *rows):
+        if not _reach(window, hm.periodic, link, flat, cut, rows):
             break
         halo *= 2
         if halo > ny:
@@ -176,67 +162,35 @@ def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | Non
     counts = np.zeros(summit.size + 2 * nx, np.int64)
     keys, passes = _flood.touching(heights, labels, hm.periodic, counts, own)
     pairs, passes = unique_pairs(keys, passes, counts.size)
-    held = heights[1:-1]
-    lowest = float(np.min(held, initial=np.inf, where=held >= above))
-    return _Strip(
-        summit + (first - 1) * nx,
-        heights.ravel()[summit],
-        labels[1:-1],
-        counts,
-        pairs,
-        passes,
-        lowest,
-    )
+    place = summit + (first - 1) * nx
+    return _Strip(place, heights.ravel()[summit], labels[1:-1], counts, pairs, passes)
 
 
 def ascended(
     heights: Array, hm: HeightMap, above: float, link: Index, start: int, stop: int
-) -> tuple[Index, Index, Index, float]:
+) -> tuple[Index, Index, Index]:
     """Strict peaks, members of plateaus and runs of the rows [start, stop) of heights of a map, of
-    which the `link` is filled, and the lowest height flooded: see `_flood.ascend`."""
+    which the `link` is filled: see `_flood.ascend`."""
     nx, (dy, dx) = heights.shape[1], hm.spacing
     peaks, flats = np.empty((2, (stop - start) * nx), np.int32)
     runs = np.empty(((stop - start) * (nx // 2 + 1), 2), np.int32)
-    window, way, lows = np.empty((3, nx + 2)), np.empty(nx, np.int32), np.full(nx, np.inf)
     n_peaks, n_flats, n_runs = _flood.ascend(
-        *(heights, hm.periodic, above, (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx))),
-        *(link, peaks, flats, runs, start, stop, window, way, lows),
+        *(heights, hm.periodic, above, (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx)), link),
+        *(peaks, flats, runs, start, stop, np.empty((3, nx + 2)), np.empty(nx, np.int32)),
     )
-    return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], float(lows.min())
+    return peaks[:n_peaks], flats[:n_flats], runs[:n_runs]
 
 
-@compiled()
 def _reach(
-    flat: Array,
-    shape: tuple[int, int],
-    periodic: bool,
-    link: NDArray[np.int32],
-    seeds: Pixels,
-    first: int,
-    last: int,
+    window: Array, periodic: bool, link: Index, flat: Pixels, cut: Pixels, rows: tuple[int, int]
 ) -> bool:
-    """Whether plateaus with pixels among the `seeds` have any in the rows [first, last)."""
-    nx = shape[1]
-    seen = np.zeros(flat.size, np.uint8)
-    queue = np.empty(flat.size, np.int32)
-    tail = 0
-    for p in seeds:
-        seen[p] = 1
-        queue[tail] = p
-        tail += 1
-    head = 0
-    while head < tail:
-        p = queue[head]
-        head += 1
-        if first * nx <= p < last * nx:
-            return True
-        for k in range(8):
-            q = _flood.beside(p, k, shape, periodic)
-            if q >= 0 and seen[q] == 0 and flat[q] == flat[p] and link[q] == _flood.FLAT:
-                seen[q] = 1
-                queue[tail] = q
-                tail += 1
-    return False
+    """Whether plateaus, of pixels `flat`, that hold a pixel of `cut` have any in some rows."""
+    link, queue = link.copy(), np.empty(flat.size, np.int64)
+    queue[: cut.size], link[cut] = cut, -2 - cut
+    at = np.zeros((flat.size, 2), np.int64)
+    size = _flood.spread(window.ravel(), window.shape, periodic, link, queue, at, cut.size)
+    row = queue[:size] // window.shape[1]
+    return bool(((row >= rows[0]) & (row < rows[1])).any())
 
 
 def _rows(hm: HeightMap, top: int, bottom: int) -> Array:

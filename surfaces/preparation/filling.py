@@ -16,9 +16,7 @@ from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.memory import available_bytes, require_memory
 from surfaces.numerics.stored_array import Source, array_of, windows
 
-from .blocks import middle, replaced
-
-__all__ = ["fill_missing", "quick_fill"]
+__all__ = ["fill_missing", "middle", "quick_fill", "replaced"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -209,6 +207,26 @@ def _by_gradients(matrix: csc_matrix, right: Array, points: tuple[Index, Index])
             "part"
         )
     return np.asarray(filled)
+
+
+def middle(heights: Source) -> float:
+    """Median over the blocks of the medians of the heights present."""
+    medians = []
+    for _, _, rows in windows(heights):
+        present = rows[~np.isnan(rows)]
+        if present.size:
+            medians.append(float(np.median(present)))
+    return float(np.median(medians))
+
+
+def replaced(source: Source, places: Index, heights: Array) -> Iterator[tuple[int, Array]]:
+    """Blocks of rows with other heights at some places, numbers in scan order that rise."""
+    for begin, _, window in windows(source):
+        rows = window.copy()
+        start = begin * rows.shape[1]
+        part = slice(*np.searchsorted(places, (start, start + rows.size)))
+        rows.flat[places[part] - start] = heights[part]
+        yield begin, rows
 
 
 def quick_fill(z: Source) -> Source:

@@ -1,23 +1,26 @@
-"""Band-pass by physical wavelength (S and L filters); crop."""
+"""Band-pass by physical wavelength (S and L filters): sharp, Gaussian, spline; crop."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.linalg import LinearOperator, cg
 
 from surfaces.errors import SurfaceError, as_number, checked_part
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import along_both
+from surfaces.numerics.memory import Transform, along_both
 from surfaces.numerics.stored_array import Blocks, Source, blocks_of, windows
 
-from .spline_filter import free_spline, spline_share
-
 __all__ = ["FILTERS", "bandpass", "crop", "passed"]
+
+Array = NDArray[np.float64]
 
 FILTERS = ("sharp", "gaussian", "spline")
 
@@ -59,8 +62,8 @@ def bandpass(
     A sharp cut of the Fourier spectrum for a periodic map. A map that is not periodic is cut in
     its cosine spectrum, which is the spectrum of the map mirrored at its border: there is no cliff
     at the seam. So is that of the Gaussian filter, of which a wave passes with
-    2^-(limit / wavelength)^2. The spline filter is free at the border and keeps planes: see
-    `spline_filter.spline`. An L filter takes off what passes the filter of the longest wave.
+    2^-(limit / wavelength)^2. The spline filter is free at the border and keeps planes. An L
+    filter takes off what passes the filter of the longest wave.
 
     References
     ----------
@@ -153,16 +156,99 @@ def _smooth(hm: HeightMap, cutoff: float, filter: str) -> Source:
     """Heights of the long waves of a Gaussian or spline filter."""
     fy, fx = _frequencies(hm)
     if filter == "spline":
-        share = spline_share(hm, cutoff, (fy, fx))
+        share = _spline_share(hm, cutoff, (fy, fx))
         if not hm.periodic:
-            return free_spline(hm, cutoff, share(slice(None)))
+            return _free_spline(hm, cutoff, share(slice(None)))
     else:
         across, along = (np.exp2(-np.square(cutoff * f)) for f in (fy, fx))
 
-        def share(columns: slice) -> NDArray[np.float64]:
+        def share(columns: slice) -> Array:
             return np.asarray(across[:, None] * along[columns])
 
     return passed(blocks_of(hm.source), hm.source, hm.periodic, share)
+
+
+def _spline_share(
+    hm: HeightMap, cutoff: float, frequencies: tuple[Array, Array]
+) -> Callable[[slice], Array]:
+    """Share of each wave that passes the filter of a map without a border, of those in the columns
+    of its spectrum asked for; half of the wavelength `cutoff` [m].
+
+    The `frequencies` [1/m] along y and x are those of its Fourier spectrum, or cosine spectrum if
+    it is not periodic.
+
+    Raises
+    ------
+    SurfaceError
+        If the cut-off is below two pixels.
+
+    Notes
+    -----
+    The filtered map w minimizes sum (z - w)^2 + sum (a_y^2 w_yy)^2 + 2 (a_y a_x w_yx)^2 +
+    (a_x^2 w_xx)^2 over second differences w_yy, w_yx, w_xx of the grid, with a = 1 / (2 sin(pi d /
+    cutoff)) for the pixel size d of each axis. A wave along an axis passes with 1 / (1 + (sin(pi d
+    / wavelength) / sin(pi d / cutoff))^4), as through the profile filter; one in another direction
+    to the order of the grid.
+
+    References
+    ----------
+    ISO 16610-62 (areal spline filters), ISO 16610-22, 4.2 (alpha of the profile filter).
+    Krystek 2005, Spline filters for surface texture analysis, Key Eng. Mater. 295-296, 441-446.
+    """
+    if cutoff < 2.0 * max(hm.spacing):
+        raise SurfaceError(
+            f"a spline filter of {cutoff:g} m is shorter than two pixels; take "
+            f"{2.0 * max(hm.spacing):g} m or more, or None"
+        )
+    (bend_y, bend_x) = (
+        np.square(np.sin(math.pi * d * frequency) / math.sin(math.pi * d / cutoff))
+        for d, frequency in zip(hm.spacing, frequencies, strict=True)
+    )
+
+    def share(columns: slice) -> Array:
+        return np.asarray(1.0 / (1.0 + np.square(bend_y[:, None] + bend_x[columns])))
+
+    return share
+
+
+def _free_spline(hm: HeightMap, cutoff: float, shares: Array) -> Array:
+    """Long waves of a map that is not periodic and has no missing points, heights [m] (ny, nx).
+
+    Its ends are free (natural conditions), which keep planes: conjugate gradients, preconditioned
+    by the filter of the map mirrored at its border, of which the `shares` are those of
+    `_spline_share` for this `cutoff` [m].
+    """
+    y, x = (0.25 / math.sin(math.pi * d / cutoff) ** 2 for d in hm.spacing)
+    (slope_y, bend_y), (slope_x, bend_x) = (_squares_of_differences(count) for count in hm.shape)
+
+    def normal(flat: Array) -> Array:
+        w = flat.reshape(hm.shape)
+        bends = y * y * (bend_y @ w) + 2.0 * x * y * (slope_y @ w @ slope_x) + x * x * (w @ bend_x)
+        return np.asarray(w + bends).ravel()
+
+    def mirrored(flat: Array) -> Array:
+        return np.asarray(fft.idctn(fft.dctn(flat.reshape(hm.shape)) * shares)).ravel()
+
+    operator, guess = (
+        LinearOperator((hm.heights.size,) * 2, matvec=f, dtype=np.float64)
+        for f in (normal, mirrored)
+    )
+    mean = float(hm.heights.mean())
+    z = (hm.heights - mean).ravel()
+    w, status = cg(operator, z, x0=guess @ z, rtol=1e-9, maxiter=3000, M=guess)
+    if status != 0:
+        raise SurfaceError(
+            f"the spline filter of {cutoff:g} m did not converge; take a shorter cut-off or "
+            'filter="gaussian" (--filter gaussian)'
+        )
+    return np.asarray(w.reshape(hm.shape) + mean)
+
+
+def _squares_of_differences(count: int) -> tuple[csr_array, csr_array]:
+    """Squares of the first and of the second differences of a line of points, as matrices."""
+    first = diags_array([-1.0, 1.0], offsets=[0, 1], shape=(count - 1, count))
+    second = diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(count - 2, count))
+    return csr_array(first.T @ first), csr_array(second.T @ second)
 
 
 def passed(
@@ -189,10 +275,10 @@ def passed(
         )
         return np.asarray(found)
 
-    return along_both(blocks, like, width, (ny, nx), rows, columns, back)
+    return along_both(blocks, like, (ny, nx), Transform(width, rows, columns, back))
 
 
-def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _frequencies(hm: HeightMap) -> tuple[Array, Array]:
     """Frequencies [1/m] of the two axes of the Fourier or cosine spectrum."""
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
     if hm.periodic:

@@ -14,8 +14,7 @@ from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.stored_array import Source, array_of, each_block, rows_around, windows
 
-from .blocks import middle, replaced
-from .filling import quick_fill
+from .filling import middle, quick_fill, replaced
 
 __all__ = ["mark_outliers"]
 

@@ -44,7 +44,7 @@ def prepare(
     filter
         ``sharp``, ``gaussian`` or ``spline`` limits of the band: see `surfaces.bandpass`.
     periodic
-        ``mirror``, ``taper`` or ``wrap``: see `surfaces.make_periodic`; None leaves it as it is.
+        ``mirror``, ``taper``, ``smooth`` or ``wrap``: see `surfaces.make_periodic`; None leaves it.
     fill_limit
         Largest fraction of the points that may be filled.
 

@@ -12,7 +12,7 @@ from scipy import fft
 from surfaces.errors import SurfaceError, checked_spacing
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel, splines
-from surfaces.numerics.memory import Change, along_both, require_memory
+from surfaces.numerics.memory import Transform, along_both, require_memory
 from surfaces.numerics.stored_array import Source, blocks_of
 from surfaces.roughness import BANDS
 
@@ -80,15 +80,7 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
         needed = 24 * ny * nx + 8 * hm.shape[0] * (nx + hm.shape[1])
         require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
     moved = (_waves if hm.periodic else _cosines)(hm.shape, (ny, nx))
-    heights = along_both(
-        blocks_of(hm.source),
-        hm.source,
-        moved.width,
-        (ny, nx),
-        moved.rows,
-        lambda _, waves: moved.columns(waves),
-        moved.back,
-    )
+    heights = along_both(blocks_of(hm.source), hm.source, (ny, nx), moved)
     step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
     return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
 
@@ -123,23 +115,6 @@ def corner_of(hm: HeightMap, spacing: tuple[float, float]) -> tuple[float, float
     return y, x
 
 
-class _Moved(NamedTuple):
-    """Interpolation to other cell centres along rows, columns and rows again.
-
-    Attributes
-    ----------
-    width
-        Waves along a row that are kept.
-    rows, columns, back
-        Waves of whole rows; waves along columns of these on other rows; heights of whole rows.
-    """
-
-    width: int
-    rows: Change
-    columns: Change
-    back: Change
-
-
 def resample_waves(
     heights: Source,
     ny: int,
@@ -165,7 +140,7 @@ def resample_waves(
             rows[start:stop] = moved.rows(heights[lines, first_x::step_x])
 
     parallel.run(part, parallel.lines(count, count * width))
-    return np.asarray(moved.back(moved.columns(rows)))
+    return np.asarray(moved.back(moved.columns(slice(None), rows)))
 
 
 def _waves(
@@ -173,7 +148,7 @@ def _waves(
     new: tuple[int, int],
     fewer: tuple[int, int] = (1, 1),
     corner: tuple[float, float] = (0.0, 0.0),
-) -> _Moved:
+) -> Transform:
     """Interpolation by the waves of a periodic array of shape `old`, of which every `fewer`-th
     element along y and x is given, to pixels from `corner` on."""
     down, across = (_factors(*each) for each in zip(old, new, fewer, corner, strict=True))
@@ -182,7 +157,7 @@ def _waves(
     def rows(heights: NDArray[Any]) -> NDArray[Any]:
         return np.asarray(fft.rfft(heights, axis=1)[:, : across.size] * across)
 
-    def columns(waves: NDArray[Any]) -> NDArray[Any]:
+    def columns(_: slice, waves: NDArray[Any]) -> NDArray[Any]:
         waves = fft.fft(waves, axis=0, workers=workers, overwrite_x=True)
         kept = np.zeros((new[0], waves.shape[1]), np.complex128)
         kept[: down.size] = waves[: down.size] * down[:, None]
@@ -192,10 +167,10 @@ def _waves(
     def back(waves: NDArray[Any]) -> NDArray[Any]:
         return np.asarray(fft.irfft(waves, n=new[1], axis=1, workers=workers))
 
-    return _Moved(across.size, rows, columns, back)
+    return Transform(across.size, rows, columns, back)
 
 
-def _cosines(old: tuple[int, ...], new: tuple[int, int]) -> _Moved:
+def _cosines(old: tuple[int, ...], new: tuple[int, int]) -> Transform:
     """Interpolation by the cosines of an array that does not repeat, to cells of its length."""
     kept = [min(pair) for pair in zip(old, new, strict=True)]
 
@@ -211,10 +186,10 @@ def _cosines(old: tuple[int, ...], new: tuple[int, int]) -> _Moved:
         waves = waves * (new[axis] / old[axis])
         return np.asarray(fft.idct(waves, n=new[axis], axis=axis, workers=parallel.threads()))
 
-    return _Moved(
+    return Transform(
         kept[1],
         lambda heights: there(heights, 1),
-        lambda waves: back(there(waves, 0), 0),
+        lambda _, waves: back(there(waves, 0), 0),
         lambda waves: back(waves, 1),
     )
 

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap, require_map
 
-from .heights import some_roughness
-from .rows import in_memory, over_present
+from .heights import in_memory, over_present, some_roughness
 
 __all__ = ["BearingCurve", "bearing_curve"]
 

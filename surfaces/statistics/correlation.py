@@ -12,11 +12,10 @@ from scipy import fft
 
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import along_both
+from surfaces.numerics.memory import Transform, along_both
 from surfaces.numerics.stored_array import Blocks, Source, array_of, blocks_of, windows
 
-from .heights import some_roughness
-from .rows import over_present
+from .heights import over_present, some_roughness
 
 __all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
 
@@ -206,13 +205,11 @@ def _correlated(
         power = np.square(modes.real) + np.square(modes.imag)
         return np.asarray(fft.ifft(power, axis=0, workers=workers)[lags[0] % shape[0]])
 
-    return along_both(
-        blocks_of(hm.source),
-        hm.source,
+    correlation = Transform(
         shape[1] // 2 + 1,
-        (lags[0].size, lags[1].size),
         lambda rows: fft.rfft(change(rows), shape[1], workers=workers),
         products,
         lambda modes: fft.irfft(modes, shape[1], workers=workers)[:, lags[1] % shape[1]],
         tallest=shape[0],
     )
+    return along_both(blocks_of(hm.source), hm.source, (lags[0].size, lags[1].size), correlation)

@@ -17,11 +17,10 @@ from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
 from .density import density_of
 from .differences import differences
-from .direction import texture_direction
 from .features import FEATURES, features
 from .heights import height_parameters
 from .parameters import PARAMETERS
-from .spectrum import SpectralMoments, spectrum_of
+from .spectrum import SpectralMoments, spectrum_of, texture_direction
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
 __all__ = ["Statistics", "describe"]

@@ -1,19 +1,40 @@
-"""Height parameters of a map."""
+"""Height parameters of a map, and its heights by blocks: one in memory, many from disk."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap
+from surfaces.numerics import parallel
+from surfaces.numerics.stored_array import windows
 from surfaces.roughness import Roughness
 
-from .rows import over_present
+__all__ = ["height_parameters", "in_memory", "over_present", "some_roughness"]
 
-__all__ = ["height_parameters", "some_roughness"]
+Array = NDArray[np.float64]
+Result = TypeVar("Result")
+
+
+def in_memory(hm: HeightMap) -> bool:
+    """Whether the heights of a map are held in memory, all of them."""
+    return isinstance(hm.source, np.ndarray)
+
+
+def over_present(function: Callable[[Array], Result], hm: HeightMap) -> Iterator[Result]:
+    """What a function finds in the heights of the points present, of blocks of whole rows in order;
+    in threads if the map is on disk."""
+    parts = 1 if in_memory(hm) else parallel.threads()
+    for _, _, block in windows(hm.source):
+        yield from parallel.each(
+            lambda rows: function(rows[np.isfinite(rows)]),
+            np.array_split(block, min(parts, len(block))),
+        )
 
 
 def some_roughness(hm: HeightMap) -> Roughness:
@@ -28,7 +49,7 @@ def height_parameters(hm: HeightMap) -> dict[str, float]:
     """Sq, Sa, Sp, Sv, Sz [m], Ssk, Sku [-] about the mean (ISO 25178-2:2021, 4.2)."""
     found = some_roughness(hm)
 
-    def powers(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    def powers(heights: Array) -> Array:
         z = heights - found.mean
         square = z * z
         return np.array(

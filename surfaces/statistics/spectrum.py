@@ -1,4 +1,5 @@
-"""Power spectral density of a height map: in two dimensions, around rings, along the axes."""
+"""Power spectral density of a height map: in two dimensions, around rings, along the axes, and the
+texture direction."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from scipy import fft
 
 from surfaces.heightmap import HeightMap, require_map
 
-from .density import Density, density_of, over_sections, wave_numbers
+from .density import Density, density_of, over_rows, wave_numbers
 
 __all__ = [
     "SpectralMoments",
@@ -18,6 +19,7 @@ __all__ = [
     "power_spectrum",
     "power_spectrum_2d",
     "spectrum_of",
+    "texture_direction",
 ]
 
 Array = NDArray[np.float64]
@@ -161,8 +163,8 @@ def power_spectrum(hm: HeightMap) -> Spectrum:
     Parameters
     ----------
     hm
-        The map, without missing points; one on disk (`surfaces.SurfaceFile.on_disk`) must be
-        periodic, and its waves take 8 bytes per point in a temporary file.
+        The map, without missing points; of one on disk (`surfaces.SurfaceFile.on_disk`) the waves
+        take up to 16 bytes per point in temporary files.
 
     Notes
     -----
@@ -194,11 +196,11 @@ def spectrum_of(waves: Density) -> Spectrum:
     edges = _ring_edges(2.0 * np.pi / max(size), nyquist)
     rings = np.zeros((3, len(edges) + 1))
     table, rows, columns = np.zeros((4, 4)), np.zeros(ny), np.zeros(nx // 2 + 1)
+    column = np.arange(nx // 2 + 1)
+    weight = np.where((column == 0) | (2 * column == nx), 1.0, 2.0)
 
-    def ring_sums(part: slice, density: Array) -> tuple[Array, Array, Array, slice, Array]:
+    def ring_sums(part: slice, density: Array) -> tuple[Array, Array, slice, Array, Array]:
         qy, qx = wave_numbers(waves, part)
-        column = np.arange(nx // 2 + 1)[part]
-        weight = np.where((column == 0) | (2 * column == nx), 1.0, 2.0)
         q = np.hypot(qy[:, None], qx[None, :])
         ring = np.digitize(q, edges).ravel()
         half = np.broadcast_to(0.5 * weight, q.shape).ravel()
@@ -206,13 +208,13 @@ def spectrum_of(waves: Density) -> Spectrum:
         values = half, half * density.ravel(), half * logs
         rings = np.array([np.bincount(ring, v, len(edges) + 1) for v in values], np.float64)
         table = _moment_table(qy, qx, density * weight / (size[0] * size[1]))
-        return rings, table, np.asarray(density @ weight), part, density.sum(axis=0)
+        return rings, table, part, np.asarray(density @ weight), density.sum(axis=0)
 
-    for more, moments, along_y, part, along_x in over_sections(ring_sums, waves):
+    for more, moments, part, along_y, along_x in over_rows(ring_sums, waves):
         rings += more
         table += moments
-        rows += along_y
-        columns[part] = along_x
+        rows[part] = along_y
+        columns += along_x
     count, power, place = rings[:, 1:-1]
     full = count > 0
     density_y, density_x = waves.along(0), waves.along(1)
@@ -256,8 +258,35 @@ def power_spectrum_2d(
     """
     require_map(hm)
     waves = density_of(hm.replace(heights=hm.heights))
-    (((part, density),),) = waves.sections()
-    return *wave_numbers(waves, part), density
+    return *wave_numbers(waves, slice(None)), np.array(waves.values[:])
+
+
+def texture_direction(waves: Density) -> float:
+    """Texture direction Std [rad], 0 to pi: where the angular amplitude spectrum is largest.
+
+    Notes
+    -----
+    ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
+    of one degree; the mean direction in the largest. It is that of the wave vectors, ccw from +x
+    to +y, across the lay; NaN of a plane.
+    """
+
+    def sectors(part: slice, density: Array) -> Array:
+        qy, qx = wave_numbers(waves, part)
+        q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
+        amplitude = np.sqrt(density) * (q <= np.pi / max(waves.source.spacing))
+        amplitude *= np.where(qx == 0.0, 0.5, 1.0)  # holds both of two opposite waves
+        amplitude[q == 0.0] = 0.0
+        sector = np.round(np.degrees(angle)).astype(np.int64)
+        angle -= np.radians(sector)
+        values = amplitude, amplitude * angle
+        return np.stack([np.bincount(sector.ravel() % 180, v.ravel(), 180) for v in values])
+
+    total, moment = sum(over_rows(sectors, waves), np.zeros((2, 180)))
+    most = int(np.argmax(total))
+    if total[most] == 0.0:
+        return np.nan
+    return float((np.radians(most) + moment[most] / total[most]) % np.pi)
 
 
 def _edge(waves: Density, width: float, nyquist: float) -> float:
@@ -274,7 +303,7 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
         found = np.bincount(ring, density.ravel(), count), np.bincount(ring, minlength=count)
         return np.stack([found[0][:count], found[1][:count]])
 
-    power, number = sum(over_sections(sums, waves), np.zeros((2, count)))
+    power, number = sum(over_rows(sums, waves), np.zeros((2, count)))
     power /= np.maximum(number, 1)
     beyond = np.maximum.accumulate(power[::-1])[::-1]
     cliffs = np.flatnonzero(beyond[9:] < 1e-3 * power[3:-6]) + 6
@@ -288,7 +317,7 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
         q, ring = rings(part)
         return float(np.max(q, where=(ring <= last) & (density > least), initial=0.0))
 
-    return max(over_sections(largest, waves))
+    return max(over_rows(largest, waves))
 
 
 def _moment_table(qy: Array, qx: Array, power: Array) -> Array:

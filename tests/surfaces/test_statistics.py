@@ -209,7 +209,7 @@ def test_a_map_on_disk_has_the_spectrum_of_the_map(tmp_path, monkeypatch, shape,
     hm = surfaces.self_affine(shape, SIZE, hurst=0.7, rms_slope=0.1, anisotropy=3.0, cutoff=5e-5)
     hm = hm.replace(periodic=periodic)
     surfaces.write(hm, tmp_path / "a.h5")
-    least = 384 * 2**20 + 4 * 120 * shape[0]
+    least = 384 * 2**20 + 4 * 96 * shape[0]
     with surfaces.open(tmp_path / "a.h5") as file:
         stored = file.on_disk()
     whole, found = surfaces.describe(hm), surfaces.describe(stored)
