@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,6 @@ __all__ = [
     "answered",
     "bounds_at",
     "corrected",
-    "exact",
     "misfit_at",
     "pixel_scatter",
     "solved_points",
@@ -95,19 +93,6 @@ class Accuracy:
     area: float = 0.1
 
 
-def exact(
-    engine: Callable[..., ContactCurve],
-    hm: HeightMap,
-    material: HalfSpace,
-    kind: str,
-    values: Array,
-    error: float,
-    **told: Any,
-) -> ContactCurve:
-    """Boundary elements on the grid of the map, within an error of the area."""
-    return engine(hm, material, **{f"{kind}s": values}, accuracy=error, **told)
-
-
 def anchored(
     hm: HeightMap, material: HalfSpace, model: ContactCurve, engine: Callable[..., ContactCurve]
 ) -> ContactCurve:
@@ -115,7 +100,11 @@ def anchored(
     ((name, values),) = model.asked.items()
     kind = name.removeprefix("asked_")
     begun = time.perf_counter()
-    judge = partial(exact, engine, hm, material, kind, boundary=model.settings["boundary"])
+
+    def judge(at: Array, error: float) -> ContactCurve:
+        loads: dict[str, Any] = {f"{kind}s": at}
+        return engine(hm, material, **loads, accuracy=error, boundary=model.settings["boundary"])
+
     curve = verified(hm, model, kind, values, judge, Accuracy())
     seconds = {**model.seconds, "verification": time.perf_counter() - begun}
     return replace(curve, seconds=seconds)
