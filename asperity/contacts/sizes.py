@@ -48,17 +48,14 @@ def size_distribution(area: ArrayLike, *, bins: int = 20) -> NDArray[np.void]:
     usable = (sizes > 0).all() and np.isfinite(sizes).all()
     if not (usable and isinstance(bins, Integral) and bins >= 1):
         raise InputError("contact areas must be positive and finite, bins a whole number above 0")
-    edges = np.empty(0)
+    edges = np.ones(1)
     if sizes.size:
         edges = np.geomspace(sizes.min() * (1 - 1e-9), sizes.max() * (1 + 1e-9), bins + 1)
-    place = np.searchsorted(edges, sizes, side="right") - 1
-    rows = max(len(edges) - 1, 0)
-    share = np.bincount(place, weights=sizes, minlength=rows) / max(sizes.sum(), 1e-300)
     return structured(
         {
             "lower": edges[:-1],
             "upper": edges[1:],
-            "contacts": np.bincount(place, minlength=rows),
-            "area_share": share,
+            "contacts": np.histogram(sizes, edges)[0],
+            "area_share": np.histogram(sizes, edges, weights=sizes / sizes.sum())[0],
         }
     )

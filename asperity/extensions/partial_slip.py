@@ -174,11 +174,10 @@ def partial_slip(
     slipping = depth <= 0
     stick = indent(profile, material, np.maximum(depth, 0.0), law=law)
     force = friction * (full.force - np.where(slipping, 0.0, stick.force))
-    moved = friction * modulus_ratio * (float(approach) - depth)
-    if displacement is not None:
-        moved = push
-    else:
-        moved = np.where(slipping, np.nan, moved)
+    moved = push
+    if displacement is None:
+        told = friction * modulus_ratio * (float(approach) - depth)
+        moved = np.where(slipping, np.nan, told)
     return PartialSlip(full, stick, friction, force, moved, slipping)
 
 
