@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from asperity.model.load_point import LoadPoint
     from surfaces.heightmap import HeightMap
 
-__all__ = ["contact_map", "pressed_pixels", "pressure_map"]
+__all__ = ["pressed_pixels", "pressure_map"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -38,13 +38,8 @@ RELAXATION = 0.7
 """Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
 
 
-def contact_map(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.bool_]:
-    """Pixels in contact, shape (ny, nx): those under pressure, see `pressed_pixels`."""
-    return pressure_map(decomposition, point) > 0
-
-
 def pressure_map(decomposition: Decomposition, point: LoadPoint) -> Array:
-    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts."""
+    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside contacts, see `pressed_pixels`."""
     return _image(decomposition.hm, *pressed_pixels(decomposition, point))
 
 
