@@ -32,7 +32,8 @@ from .extensions.viscoelastic import viscoelastic_indent as viscoelastic_indent
 from .halfspace.material import HalfSpace as HalfSpace
 from .interaction.population import Population as Population
 from .interaction.population_state import PopulationState as PopulationState
-from .memory import set_memory as set_memory
+from .limits import set_memory as set_memory
+from .limits import set_threads as set_threads
 from .microcontact.single.indent import indent as indent
 from .microcontact.single.indentation import Indentation as Indentation
 from .microcontact.single.punch import FlatPunch as FlatPunch
@@ -43,6 +44,5 @@ from .results.curve import ContactCurve as ContactCurve
 from .results.curve import read_results as read_results
 from .results.interface_law import InterfaceLaw as InterfaceLaw
 from .results.paraview import write_vti as write_vti
-from .threads import set_threads as set_threads
 
 __version__: str

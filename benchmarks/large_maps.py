@@ -35,7 +35,7 @@ from scipy import fft
 
 import asperity
 import surfaces
-from asperity.memory import set_memory
+from asperity.limits import set_memory
 from surfaces.numerics.parallel import threads
 from surfaces.units import quantity
 

@@ -62,22 +62,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run members until the mean is known well enough, write it and tell it."""
-    from asperity.distributed.ensemble import run_ensemble
-    from asperity.distributed.jobs import Jobs
+    from asperity.distributed.ensemble import ensemble
 
     targets.require(args)
     members, on = _members(args), workers(args)
     material, settings = options.material(args), settings_for(args)
     with bar(len(members), "members") as advance:
-        found = run_ensemble(
-            Jobs(Path(args.output)),
+        found = ensemble(
             members,
             material,
             settings,
-            on,
-            args.until,
-            args.force,
-            advance,
+            folder=args.output,
+            until=args.until,
+            workers=on.count,
+            scheduler=on.scheduler,
+            threads=on.threads,
+            force=args.force,
+            progress=advance,
         )
     args.document = found.to_dataframe().to_dict("records")
     tell(str(found))

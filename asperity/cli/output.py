@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity import __version__
 from asperity.progress import bar
-from asperity.results.curve import ContactCurve
-from asperity.results.headline import at_heaviest
+from asperity.results.curve import ContactCurve, at_heaviest
 
 from . import batch, derived, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK

@@ -157,8 +157,9 @@ def compare(
         contacts = microcontacts(run.decomposition, run.points[point])[:0]
         overlap = np.nan
         if run.curve.converged[point]:
-            maps["asperity"], contacts = run.contact_map(point), run.microcontacts(point)
-            maps["pressure_asperity"] = run.pressure_map(point).astype(np.float32)
+            pressure, contacts = run.pressure_map(point), run.microcontacts(point)
+            maps["asperity"] = pressure > 0
+            maps["pressure_asperity"] = pressure.astype(np.float32)
             union = np.count_nonzero(maps["bem"] | maps["asperity"])
             overlap = np.count_nonzero(maps["bem"] & maps["asperity"]) / union if union else 1.0
         say("boundary elements on a refined grid")

@@ -17,15 +17,13 @@ from asperity.halfspace.footprint import Footprints
 from surfaces.numerics.parallel import threads
 from surfaces.preparation.filtering import bandpass
 
-from .table import ellipses
-
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
     from asperity.model.load_point import LoadPoint
     from surfaces.heightmap import HeightMap
 
-__all__ = ["contact_map", "pressed_pixels", "pressure_map"]
+__all__ = ["pressed_pixels", "pressure_map"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -40,13 +38,8 @@ RELAXATION = 0.7
 """Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
 
 
-def contact_map(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.bool_]:
-    """Pixels in contact, shape (ny, nx): those under pressure, see `pressed_pixels`."""
-    return pressure_map(decomposition, point) > 0
-
-
 def pressure_map(decomposition: Decomposition, point: LoadPoint) -> Array:
-    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts."""
+    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside contacts, see `pressed_pixels`."""
     return _image(decomposition.hm, *pressed_pixels(decomposition, point))
 
 
@@ -57,14 +50,13 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
 
     Notes
     -----
-    The iteration starts from the pressure of the elliptic contact of each force and area. With the
+    Each contact occupies the pixels of its basin with the largest values of a field, as many as
+    fill its area (at least one); its pressure is their excess over the next pixel, scaled to its
+    force, and cut at the hardness, if there is one. The field is the heights at first. With the
     displacement u = K p of all contacts and the gap g = u - h, the pressure inside the contacts is
-    corrected to p - 0.7 K^-1 g, where K^-1 ~ q^(1-m) acts on the gap inside the contacts; outside,
-    and with g added where the hardness is reached, the field is -g times the K^-1 of the wave
-    number sqrt(m4/m2) of the map. Each contact occupies
-    the pixels of its basin with the largest values of this field, as many as fill its area (at
-    least one); its pressure is their excess over the next pixel, scaled to its force, and cut at
-    the hardness, if there is one.
+    then corrected to p - 0.7 K^-1 g, where K^-1 ~ q^(1-m) acts on the gap inside the contacts;
+    outside, and with g added where the hardness is reached, the field is -g times the K^-1 of the
+    wave number sqrt(m4/m2) of the map.
 
     Where the finest waves act as a law of the contacts (`asperity.multiscale`), the pressure K^-1 h
     that flattens them is added, times sqrt(g0) as in that law, to first order (Persson 2001), and
@@ -76,12 +68,11 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
     if not state.active:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
     grid = _Grid.of(decomposition, state, solved, decomposition.peaks.labels)
-    pressure = _start(decomposition, state)
+    pressed = grid.occupied(solved.heights, state.area, state.force)
     for _ in range(CORRECTIONS):
-        pressed = grid.occupied(
-            grid.corrected(pressure, grid.gap_stiffness), state.area, state.force
-        )
         pressure = _image(solved, *pressed)
+        field = grid.corrected(pressure, grid.gap_stiffness)
+        pressed = grid.occupied(field, state.area, state.force)
     if solved is whole:
         return pressed
     stiffness, fine, deviation = grid.gap_stiffness, 0.0, 0.0
@@ -237,20 +228,6 @@ class _Grid:
         waves *= factor
         found = fft.irfft2(waves, s=self.padded, workers=threads(), overwrite_x=True)
         return np.asarray(found[: self.hm.shape[0], : self.hm.shape[1]])
-
-
-def _start(decomposition: Decomposition, state: PopulationState) -> Array:
-    """Pressure [Pa] of elliptic contacts, p_0 (1 - rho^2)^((1+m)/2)
-    (docs/development/half_space.md).
-
-    It is rescaled so that the pixels of each carry its force.
-    """
-    hm = decomposition.solved
-    pixel, contact, distance = ellipses(decomposition, state)
-    shape = (1.0 - distance**2) ** (0.5 * (1.0 + decomposition.material.m))
-    carried = np.bincount(contact, weights=shape, minlength=len(state.force))
-    share = state.force[contact] * shape / (carried[contact] * hm.spacing[0] * hm.spacing[1])
-    return _image(hm, pixel, contact, share)
 
 
 def _image(hm: HeightMap, pixel: Index, contact: Index, pressure: Array) -> Array:

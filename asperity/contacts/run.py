@@ -14,7 +14,7 @@ from asperity.errors import ConvergenceError, InputError, cautious, warn_once
 from asperity.progress import Progress
 from asperity.results.curve import ContactCurve
 
-from .fields import contact_map, pressure_map
+from .fields import pressure_map
 from .spots import spot_table
 from .table import microcontacts
 
@@ -69,8 +69,8 @@ class ContactRun:
         return spot_table(self.decomposition, self._point(point))
 
     def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
-        """Pixels in contact at a load point, shape (ny, nx)."""
-        return contact_map(self.decomposition, self._point(point))
+        """Pixels in contact at a load point, shape (ny, nx): those under pressure."""
+        return self.pressure_map(point) > 0
 
     def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
         """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""

@@ -1,4 +1,4 @@
-"""Table of the microcontacts of one load point, their ellipses and their outlines."""
+"""Table of the microcontacts of one load point, and their outlines."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.transforms import edge_weights, kappa
 from asperity.results.storage import structured
-from surfaces.numerics.stored_array import windows
 
 if TYPE_CHECKING:
-    from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
     from asperity.model.load_point import LoadPoint
     from surfaces.peaks.profiles import Profiles
 
-__all__ = ["DIRECTIONS", "ellipses", "microcontacts", "outlines"]
+__all__ = ["DIRECTIONS", "microcontacts", "outlines"]
 
 
 Array = NDArray[np.float64]
@@ -38,22 +36,22 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     circle of equal area), semi_major, semi_minor [m], angle [rad] (of the long axis, from x
     towards y), mean_pressure [Pa], peak_pressure [Pa] (of the elliptic contact, (3 + m)/2 times
     the mean, the hardness at most), peak (row in the segmentation), centre_x, centre_y [m] (of the
-    contact, as its law
-    gives it), flags (bits of `asperity.microcontact.Flag`), estimate (relative error of the force
-    that the law expects of itself), filled (share of the directions in which the contact fills its
-    basin), radii_0 to radii_15 [m] (about the summit along 16 equispaced directions from x
-    towards y, see `outlines`), closed_area [m^2] (what touches within the contact; less than its
-    area where the finest waves act as a law of the contacts of the others, `asperity.multiscale`).
+    contact, as its law gives it), flags (bits of `asperity.microcontact.Flag`), estimate (relative
+    error of the force that the law expects of itself), filled (share of the directions in which the
+    contact fills its basin), radii_0 to radii_15 [m] (about the summit along 16 equispaced
+    directions from x towards y, see `outlines`), closed_area [m^2] (what touches within the
+    contact; less than its area where the finest waves act as a law of the contacts of the others,
+    `asperity.multiscale`).
     """
     state, body = point.state, decomposition.material
     active = np.flatnonzero(state.force > 0)
     profiles, (y, x) = decomposition.summits, decomposition.places
-    major, minor = _semi_axes(decomposition, state)
     area, approach = state.area[active], state.approach[active]
+    radius, aspect = np.sqrt(area / np.pi), decomposition.aspect[active]
     table, depth = decomposition.population.table, np.maximum(approach, 0.0)
     offset_x, offset_y = table.centre_at(active, depth)
     sampled = profiles.rows(active)
-    radii, filled = outlines(sampled, depth, area, decomposition.aspect[active], body.m)
+    radii, filled = outlines(sampled, depth, area, aspect, body.m)
     return structured(
         {
             "x": _within(decomposition, x[active], 1),
@@ -62,9 +60,9 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
             "approach": approach,
             "force": state.force[active],
             "area": area,
-            "radius": np.sqrt(area / np.pi),
-            "semi_major": major[active],
-            "semi_minor": minor[active],
+            "radius": radius,
+            "semi_major": radius / np.sqrt(aspect),
+            "semi_minor": radius * np.sqrt(aspect),
             "angle": profiles.angle[active],
             "mean_pressure": state.force[active] / area,
             "peak_pressure": np.minimum(
@@ -82,74 +80,12 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     )
 
 
-def ellipses(
-    decomposition: Decomposition, state: PopulationState
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Pixels of the solved grid under elliptic contacts, clipped to their basins.
-
-    Returns
-    -------
-    pixel, own, distance
-        Flat index of each pixel, whose contact it is, and its distance from the summit over the
-        ellipse's radius there, < 1. A contact that covers no pixel's centre has that of its summit.
-    """
-    hm, profiles = decomposition.solved, decomposition.summits
-    major, minor = _semi_axes(decomposition, state)
-    loaded = np.append((state.force > 0)[profiles.owner], False)
-    found = [
-        (np.array([[begin], [0]]) + np.nonzero(loaded[held]), held[loaded[held]])
-        for begin, _, held in windows(decomposition.peaks.labels)
-    ]
-    (rows, cols), own = (np.concatenate(each, axis=-1) for each in zip(*found, strict=True))
-    own = profiles.owner[own]
-    dy, dx = _offset(decomposition, hm.y[rows] - profiles.y[own], hm.x[cols] - profiles.x[own])
-    distance = _scaled_distance(dy, dx, profiles.angle[own], major[own], minor[own])
-    inside = distance < 1.0
-    pixel, own, distance = (rows * hm.shape[1] + cols)[inside], own[inside], distance[inside]
-    lost = np.setdiff1d(np.flatnonzero(state.force > 0), own)
-    return (
-        np.append(pixel, decomposition.summit_pixels(lost, hm)),
-        np.append(own, lost),
-        np.append(distance, np.zeros(len(lost))),
-    )
-
-
-def _offset(
-    decomposition: Decomposition, dy: NDArray[np.float64], dx: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The shortest of the offsets [m] that a map without a border allows."""
-    if not decomposition.wraps:
-        return dy, dx
-    ly, lx = decomposition.hm.size
-    return dy - ly * np.round(dy / ly), dx - lx * np.round(dx / lx)
-
-
 def _within(
     decomposition: Decomposition, place: NDArray[np.float64], axis: int
 ) -> NDArray[np.float64]:
     """Places [m] along an axis; where the map repeats, those in it of its summits and centres
     beyond the border."""
     return np.mod(place, decomposition.hm.size[axis]) if decomposition.wraps else place
-
-
-def _scaled_distance(
-    dy: NDArray[np.float64],
-    dx: NDArray[np.float64],
-    angle: NDArray[np.float64],
-    major: NDArray[np.float64],
-    minor: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Distance from the centre of an ellipse over the ellipse's radius in that direction."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.hypot((c * dx + s * dy) / major, (c * dy - s * dx) / minor)
-
-
-def _semi_axes(
-    decomposition: Decomposition, state: PopulationState
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Semi-axes [m] of the ellipse of each contact's area and its summit's direction."""
-    scale = np.sqrt(np.maximum(state.area, np.finfo(float).tiny) / np.pi)
-    return scale / np.sqrt(decomposition.aspect), scale * np.sqrt(decomposition.aspect)
 
 
 def outlines(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -144,7 +145,9 @@ class Ensemble:
             mean = Confidence(len(self.pressures))
             for curve in curves:
                 mean.add(curve)
-            low, high = _quantiles(curves)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", RuntimeWarning)  # NaN where no member has a value
+                low, high = np.nanquantile(curves, TENTHS, axis=0)
             known = mean.count > 0
             found |= {
                 "members": mean.count,
@@ -232,14 +235,3 @@ class Ensemble:
         )
 
     __repr__ = __str__
-
-
-def _quantiles(curves: Array) -> Array:
-    """Quantiles of the members at each pressure, shape (2, p); NaN where there is none."""
-    found = [
-        np.quantile(column[np.isfinite(column)], TENTHS)
-        if np.isfinite(column).any()
-        else np.full(2, np.nan)
-        for column in curves.T
-    ]
-    return np.transpose(found)

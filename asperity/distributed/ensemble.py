@@ -22,12 +22,12 @@ from surfaces.heightmap import HeightMap
 
 from .bands import DECIDES, QUANTITIES, Confidence, Ensemble
 from .index import Sweep
-from .jobs import Job, Jobs, Surface
+from .jobs import Job, Jobs
 from .pool import Workers
 from .sweep import row_of, run
 from .work import Outcome, load_map
 
-__all__ = ["enough", "ensemble", "run_ensemble", "windows_of"]
+__all__ = ["enough", "ensemble", "windows_of"]
 
 LEAST = 10
 """Least members before the band is narrow enough: fewer tell too little of their scatter."""
@@ -121,27 +121,12 @@ def ensemble(
     elif windows is not None:
         members = _windows(members, windows)
     maker, on = Jobs(Path(folder)), Workers(workers, scheduler, threads)
-    found = list(maker.surfaces(members))
-    chosen = dict(settings or {})
-    return run_ensemble(maker, found, material, chosen, on, until, force, progress)
-
-
-def run_ensemble(
-    maker: Jobs,
-    members: Sequence[Surface],
-    material: HalfSpace | Mapping[str, Any],
-    settings: Mapping[str, Any],
-    on: Workers,
-    until: float | None = None,
-    force: bool = False,
-    progress: Progress = None,
-) -> Ensemble:
-    """The ensemble of members that were listed before, see `ensemble`."""
+    chosen = list(maker.surfaces(members))
     if until is not None and not as_number("until", until) > 0.0:
         raise InputError(f"until is {until}; give a relative half width above 0, such as 0.02")
-    (first, *_) = maker.product(members, material, settings)
+    (first, *_) = maker.product(chosen, material, settings)
     pressures = _common(first)
-    jobs = maker.product(members, material, {**settings, "pressures": pressures})
+    jobs = maker.product(chosen, material, {**(settings or {}), "pressures": pressures})
     distinct = list({job.file: job for job in jobs}.values())
     confidence = Confidence(len(pressures))
     rows, curves, widths = list[Any](), list[Any](), list[float]()

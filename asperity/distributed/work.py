@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 import surfaces
 from asperity.errors import AsperityError, ContactWarning
-from asperity.results.curve import ContactCurve
-from asperity.results.headline import at_heaviest
+from asperity.results.curve import ContactCurve, at_heaviest
 from asperity.results.storage import ResultFile, read_about, write_results
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import set_threads

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
 from asperity.results.interpolation import log_ratio
-from asperity.trust.verified import exact
 from surfaces.numerics import parallel
 from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.filtering import bandpass
@@ -90,8 +89,14 @@ class Judged:
         model has no answer."""
         scene = replace(plan, scene=(hm.without_rounding, self.material))
         model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
-        told = {"boundary": plan.boundary, "progress": self.progress if tell else None}
-        true = exact(bem_curve, hm, self.material, "pressure", pressures, self.error, **told)
+        true = bem_curve(
+            hm,
+            self.material,
+            pressures=pressures,
+            accuracy=self.error,
+            boundary=plan.boundary,
+            progress=self.progress if tell else None,
+        )
         area = np.log(model.contact_area / true.contact_area)
         spots = np.log(np.maximum(model.contacts, 1.0) / np.maximum(true.contacts, 1.0))
         stiffness = log_ratio(model.extra["tangent_stiffness"], true.stiffness)
@@ -149,12 +154,12 @@ def misfit_on_parts(
             beside = functools.partial(otherwise, untold)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     order = np.array([lightest, *best[best != lightest]])
-    part_misfit = _PartMisfit(judged, hm, plan, side, grid is not None)
     found, here = np.full((*shares.shape, 4), np.nan), _first(taken, order, ALIKE)
 
     def solve(place: int) -> None:
-        loads = here[place]
-        found[place, loads] = part_misfit(place, local[place, loads], place == lightest).T
+        loads, told = here[place], {"long_alone": grid is not None, "tell": place == lightest}
+        part = _part(hm, place, side)
+        found[place, loads] = _on_part(judged, part, plan, local[place, loads], **told).T
 
     some = order[here[order].any(axis=1)]
     while len(some):
@@ -170,31 +175,22 @@ def misfit_on_parts(
     return misfit, bounds, floor
 
 
-@dataclass(frozen=True)
-class _PartMisfit:
-    """Misfit on one of `side` parts along each side of a map, by the plan of the whole map; of what
-    the finer waves change in the separation, where the long ones are solved alone."""
-
-    judged: Judged
-    hm: HeightMap
-    plan: Plan
-    side: int
-    long_alone: bool
-
-    def __call__(self, place: int, loads: Array, tell: bool) -> Array:
-        """Misfit at some loads [Pa], shape (4, n), see `Judged`."""
-        part = _part(self.hm, place, self.side)
-        waves = _resampled(part, self.plan)
-        cell = replace(self.plan.whole, boundary="periodic")
-        own = replace(
-            cell,
-            sub_contact_law=self.plan.sub_contact_law,
-            resampled=None if waves is part else Resampled(waves, (0.0, 0.0)),
-        )
-        misfit = self.judged(part, own, loads, tell=tell)[:4]
-        if self.long_alone:
-            misfit[0] -= self.judged(waves, cell, loads)[0]
-        return misfit
+def _on_part(
+    judged: Judged, part: HeightMap, plan: Plan, loads: Array, *, long_alone: bool, tell: bool
+) -> Array:
+    """Misfit on a part at some loads [Pa] by the plan of the whole map, shape (4, n), see `Judged`;
+    of what the finer waves change in the separation, where the long ones are solved alone."""
+    waves = _resampled(part, plan)
+    cell = replace(plan.whole, boundary="periodic")
+    own = replace(
+        cell,
+        sub_contact_law=plan.sub_contact_law,
+        resampled=None if waves is part else Resampled(waves, (0.0, 0.0)),
+    )
+    misfit = judged(part, own, loads, tell=tell)[:4]
+    if long_alone:
+        misfit[0] -= judged(waves, cell, loads)[0]
+    return misfit
 
 
 def _first(parts: NDArray[np.bool_], order: NDArray[np.int64], count: int) -> NDArray[np.bool_]:

@@ -16,7 +16,6 @@ from asperity.bem.memory import fits
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
 from asperity.parameters import DEFAULTS
-from asperity.trust.verified import exact
 from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
@@ -170,8 +169,7 @@ def _apart(
         """Separation, logarithm of the contact area, and stiffness over load: zero in full contact,
         where no load changes the separation; NaN if not converged."""
         grid, pressure = scene
-        load = np.array([pressure])
-        curve = exact(bem_curve, grid, material, "pressure", load, ACCURACY, boundary=boundary)
+        curve = bem_curve(grid, material, pressures=pressure, accuracy=ACCURACY, boundary=boundary)
         stiffness = np.where(np.isinf(curve.stiffness), 0.0, curve.stiffness)
         rate = stiffness / curve.mean_pressure
         found = np.concatenate([curve.separation, np.log(curve.contact_area), rate])

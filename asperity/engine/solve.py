@@ -25,7 +25,6 @@ from asperity.trust.verified import (
     LEAST_LOADS,
     Accuracy,
     anchors_suffice,
-    exact,
     verified,
 )
 from surfaces.errors import as_number
@@ -297,9 +296,14 @@ class _Scene:
 
     def exact(self, values: Array, area: float, load: float) -> ContactCurve:
         """Boundary elements on the grid of the map, within errors of area and load."""
-        scene = self.judge, self.hm, self.material, self.kind
-        error = min(area, AREA_OVER_LOAD_ERROR * load)
-        return exact(*scene, values, error, boundary=self.boundary, progress=self.lightest)
+        return self.judge(
+            self.hm,
+            self.material,
+            **self.loads(values),
+            accuracy=min(area, AREA_OVER_LOAD_ERROR * load),
+            boundary=self.boundary,
+            progress=self.lightest,
+        )
 
     def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
         """What the pixels leave open of a curve."""

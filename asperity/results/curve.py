@@ -19,7 +19,18 @@ from .interpolation import POINT_FIELDS, READ_FIELDS, CurvePoint, curve_stiffnes
 from .storage import ResultFile, write_results
 from .table import CurveTable
 
-__all__ = ["ContactCurve", "read_results", "require_curve"]
+__all__ = ["ContactCurve", "at_heaviest", "read_results", "require_curve"]
+
+HEADLINE = (
+    "mean_pressure",
+    "area_fraction",
+    "separation",
+    "mean_contact_pressure",
+    "contacts",
+    "error_estimate",
+    "stiffness",
+)
+"""Columns of a curve whose values at the heaviest point that converged are told."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -278,3 +289,16 @@ def require_curve(curve: object) -> None:
             f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "
             "or run.curve of solve_contacts"
         )
+
+
+def at_heaviest(curve: ContactCurve) -> dict[str, Any]:
+    """Values at the heaviest load point that converged, and whether and why others did not, of a
+    curve of at least one load point."""
+    heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
+    columns = curve.columns()
+    return {
+        **{name: columns[name][heaviest] for name in HEADLINE},
+        "converged": bool(curve.converged.all()),
+        "points": len(curve),
+        "reason": next(filter(None, curve.reasons), ""),
+    }

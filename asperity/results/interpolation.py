@@ -119,19 +119,21 @@ def read_off(
     log_p = np.log(columns["mean_pressure"][order])
     asked = as_numbers(name, questions[name])
     knots = columns[column][order]
-    if column == "separation":
-        falling = knots[::-1]
-        rim = 1e-9 * max(abs(falling[0]), abs(falling[-1]), falling[-1] - falling[0])
-        _within(asked, falling[[0, -1]], asked, falling, rim, name, unit)
-        key = PchipInterpolator(falling, log_p[::-1])(asked)
+    low, high = knots.min(), knots.max()
+    if column == "separation":  # less of it is more load
+        slack = 1e-9 * max(abs(low), abs(high), high - low)
+        rising, place = -knots, -asked
     else:
+        slack = SLACK
         with np.errstate(divide="ignore", invalid="ignore"):
-            log_asked = np.log(asked)
-        rising = np.log(knots)
-        _within(asked, knots[[0, -1]], log_asked, rising, SLACK, name, unit)
-        key = PchipInterpolator(rising, log_p)(log_asked)
-        if column == "mean_pressure":
-            key = log_asked
+            rising, place = np.log(knots), np.log(asked)
+    inside = (place >= rising[0] - slack) & (place <= rising[-1] + slack)
+    if not np.all(inside):
+        raise InputError(
+            f"{name} {asked[~inside].flat[0]:.4g} {unit} lies outside the converged curve, "
+            f"{low:.4g} to {high:.4g} {unit}; add load points there"
+        )
+    key = place if column == "mean_pressure" else PchipInterpolator(rising, log_p)(place)
 
     def read(name: str, in_log: bool) -> Any:
         values = np.asarray(columns[name], dtype=float)[order]
@@ -168,24 +170,6 @@ def knots_of(
 def _rising(values: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Values above all before them."""
     return np.asarray(values > np.maximum.accumulate(np.append(-np.inf, values))[:-1])
-
-
-def _within(
-    asked: NDArray[np.float64],
-    ends: NDArray[np.float64],
-    key: NDArray[np.float64],
-    knots: NDArray[np.float64],
-    slack: float,
-    name: str,
-    unit: str,
-) -> None:
-    outside = ~((key >= knots[0] - slack) & (key <= knots[-1] + slack))
-    if np.any(outside):
-        worst = float(np.atleast_1d(asked)[np.atleast_1d(outside)][0])
-        raise InputError(
-            f"{name} {worst:.4g} {unit} lies outside the converged curve, "
-            f"{ends[0]:.4g} to {ends[1]:.4g} {unit}; add load points there"
-        )
 
 
 def curve_stiffness(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,6 @@ __all__ = [
     "answered",
     "bounds_at",
     "corrected",
-    "exact",
     "misfit_at",
     "pixel_scatter",
     "solved_points",
@@ -95,19 +93,6 @@ class Accuracy:
     area: float = 0.1
 
 
-def exact(
-    engine: Callable[..., ContactCurve],
-    hm: HeightMap,
-    material: HalfSpace,
-    kind: str,
-    values: Array,
-    error: float,
-    **told: Any,
-) -> ContactCurve:
-    """Boundary elements on the grid of the map, within an error of the area."""
-    return engine(hm, material, **{f"{kind}s": values}, accuracy=error, **told)
-
-
 def anchored(
     hm: HeightMap, material: HalfSpace, model: ContactCurve, engine: Callable[..., ContactCurve]
 ) -> ContactCurve:
@@ -115,7 +100,11 @@ def anchored(
     ((name, values),) = model.asked.items()
     kind = name.removeprefix("asked_")
     begun = time.perf_counter()
-    judge = partial(exact, engine, hm, material, kind, boundary=model.settings["boundary"])
+
+    def judge(at: Array, error: float) -> ContactCurve:
+        loads: dict[str, Any] = {f"{kind}s": at}
+        return engine(hm, material, **loads, accuracy=error, boundary=model.settings["boundary"])
+
     curve = verified(hm, model, kind, values, judge, Accuracy())
     seconds = {**model.seconds, "verification": time.perf_counter() - begun}
     return replace(curve, seconds=seconds)
@@ -277,10 +266,13 @@ def corrected(
 ) -> ContactCurve:
     """The corrected curve, with what boundary elements found at the points that they solved."""
     load, area, spots, stiffness = misfit
-    columns: dict[str, Array] = {name: np.array(getattr(model, name), float) for name in CORRECTED}
+    settings = {name: model.settings[name] for name in KEPT if name in model.settings}
+    yielded = YIELDED_COLUMNS if "hardness" in settings else ()
+    columns: dict[str, Any] = {name: np.array(getattr(model, name), float) for name in CORRECTED}
     columns["stiffness"][points] = model.extra["tangent_stiffness"][points] * np.exp(-stiffness)
     columns["error_estimate"] = np.zeros(len(model))
-    told = np.zeros(len(model))
+    extra = {name: model.extra[name].copy() for name in yielded}
+    told = extra["area_error_estimate"] = np.zeros(len(model))
     if kind == "pressure":
         columns["separation"][points] -= load / _rate(model, points)
         columns["contact_area"][points] *= np.exp(-area)
@@ -289,45 +281,31 @@ def corrected(
         columns["contact_area"][points] *= np.exp(-area - _growth(model, points) * load)
     columns["contacts"][points] *= np.exp(-spots)
     columns["error_estimate"][points], told[points] = bounds
-    converged = model.converged.copy()
-    reasons = list(model.reasons)
+    converged, reasons = model.converged.copy(), list(model.reasons)
     for i, one in solved.items():
-        for name in columns:
-            columns[name][i] = getattr(one, name)[0]
-        told[i] = one.extra["area_error_estimate"][0]
+        for name, values in columns.items():
+            values[i] = getattr(one, name)[0]
+        for name, values in extra.items():
+            values[i] = one.extra[name][0]
         converged[i], reasons[i] = one.converged[0], one.reasons[0]
-    is_anchor = np.zeros(len(model), bool)
-    is_anchor[list(solved)] = True
-    pressure, separation = columns.pop("mean_pressure"), columns.pop("separation")
-    contact_area = columns.pop("contact_area")
-    settings: dict[str, Any] = {
-        name: model.settings[name] for name in KEPT if name in model.settings
-    }
-    yielded = {}
-    if "hardness" in settings:
-        contact_area = np.maximum(contact_area, pressure * hm.area / settings["hardness"])
-        yielded = {name: model.extra[name].copy() for name in YIELDED_COLUMNS}
-        for i, one in solved.items():
-            for name, values in yielded.items():
-                values[i] = one.extra[name][0]
-    return ContactCurve(
-        separation=separation,
-        mean_pressure=pressure,
+    columns["contacts"] = np.rint(columns["contacts"])
+    pressure = columns["mean_pressure"]
+    if yielded:
+        least = pressure * hm.area / settings["hardness"]
+        columns["contact_area"] = np.maximum(columns["contact_area"], least)
+    return replace(
+        model,
+        **columns,
         load=pressure * hm.area,
-        area_fraction=contact_area / hm.area,
-        contact_area=contact_area,
-        contacts=np.rint(columns.pop("contacts")),
-        stiffness=columns.pop("stiffness"),
+        area_fraction=columns["contact_area"] / hm.area,
         converged=converged,
-        residual=columns["residual"],
-        error_estimate=columns["error_estimate"],
         model="anchored",
         settings=settings,
         extra={
             **model.asked,
             "area_error_estimate": told,
-            "anchor": is_anchor,
-            **yielded,
+            "anchor": np.isin(np.arange(len(model)), list(solved)),
+            **extra,
             "prior_error_estimate": model.error_estimate,
             "prior_area_error_estimate": model.extra["area_error_estimate"],
         },

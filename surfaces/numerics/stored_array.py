@@ -8,6 +8,7 @@ import math
 import mmap
 import os
 import tempfile
+import threading
 import weakref
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -43,6 +44,7 @@ _SCATTERED = 16
 touched: about each the system maps 64 kB of every row."""
 
 _pages: weakref.WeakSet[mmap.mmap] = weakref.WeakSet()
+_changing = threading.Lock()  # of `_pages`, while they are gone through
 
 Span = tuple[int, int]
 
@@ -135,7 +137,8 @@ class StoredArray:
             for begin, _, rows in windows(self):
                 kept.write(begin, rows)
         pages = mmap.mmap(kept._file.fileno(), 0)
-        _pages.add(pages)
+        with _changing:
+            _pages.add(pages)
         return np.ndarray(self.shape, self.dtype, pages)
 
     def __getitem__(self, index: Any) -> NDArray[Any]:
@@ -255,7 +258,9 @@ def most_together(source: Source) -> float:
 
 def drop_pages() -> None:
     """Give back the memory of all pages of mapped arrays that were touched; they stay on disk."""
-    for pages in list(_pages):
+    with _changing:
+        held = list(_pages)
+    for pages in held:
         pages.madvise(mmap.MADV_DONTNEED)
 
 

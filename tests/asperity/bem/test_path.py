@@ -10,7 +10,7 @@ from asperity import HalfSpace, bem_curve
 from asperity.bem import curve, path
 from asperity.bem.correction import Level, PressureOrigin
 from asperity.bem.problem import ContactProblem
-from asperity.threads import set_threads
+from asperity.limits import set_threads
 
 BODY = HalfSpace.from_modulus(1.0)
 

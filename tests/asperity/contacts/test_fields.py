@@ -11,7 +11,6 @@ import asperity
 import surfaces
 from asperity.contacts.fields import pressed_pixels
 from asperity.contacts.run import ContactRun, solve_contacts
-from asperity.contacts.table import ellipses
 from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
@@ -119,11 +118,10 @@ def test_nothing_touches_at_no_load(broad):
 
 
 @pytest.mark.parametrize(
-    ("cutoff", "right", "likeness"), [(None, 0.92, 0.94), (8, 0.95, 0.97), (30, 0.95, 0.97)]
+    ("cutoff", "right", "likeness"), [(None, 0.98, 0.97), (8, 0.98, 0.99), (30, 0.96, 0.99)]
 )
 def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
-    """Of the pixels in contact so many are right, and the pressures are alike; ellipses about the
-    summits are further off."""
+    """Of the pixels in contact so many are right, and the pressures are alike."""
     hm = broad if cutoff is None else map_of(cutoff)
     run = run_of(hm)
     for point, load in enumerate(run.curve.mean_pressure):
@@ -131,9 +129,6 @@ def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
         mine = run.contact_map(point)
         hits = np.count_nonzero(mine & exact.contact) / np.count_nonzero(mine)
         assert hits > right
-        if run.decomposition.solved is hm:
-            guess = ellipses(run.decomposition, run.points[point].state)[0]
-            assert hits > np.mean(exact.contact.flat[guess])
         pressure = run.pressure_map(point)
         assert np.corrcoef(pressure.ravel(), exact.pressure.ravel())[0, 1] > likeness
 
