@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
+import threading
 import warnings
 from pathlib import Path
 
@@ -11,7 +13,7 @@ import numpy as np
 import pytest
 
 from surfaces.errors import InputError
-from surfaces.numerics.stored_array import Sections, StoredArray, spans
+from surfaces.numerics.stored_array import Sections, StoredArray, drop_pages, spans
 
 
 @pytest.mark.parametrize("kind", [np.complex128, np.float32])
@@ -57,3 +59,25 @@ def test_a_file_is_closed_without_a_warning_also_when_it_is_part_of_a_cycle() ->
     assert not leaked
     with pytest.raises(OSError):
         os.fstat(number)
+
+
+def test_pages_are_dropped_while_another_thread_maps_arrays():
+    kept = StoredArray((8, 8), np.float64)
+    kept.write(0, np.zeros((8, 8)))
+    done, before = threading.Event(), sys.getswitchinterval()
+
+    def map_anew():
+        while not done.is_set():
+            held = [kept.each(np.negative).mapped for _ in range(50)]
+            assert len(held) == 50
+
+    sys.setswitchinterval(1e-6)
+    mapper = threading.Thread(target=map_anew)
+    mapper.start()
+    try:
+        for _ in range(2000):
+            drop_pages()
+    finally:
+        done.set()
+        mapper.join()
+        sys.setswitchinterval(before)
