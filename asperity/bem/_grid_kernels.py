@@ -262,21 +262,6 @@ def multiply(rows: tuple[int, int], parts: Grid, symbol: Grid) -> None:
 
 
 @compiled()
-def load_columns(
-    spectrum: NDArray[np.complexfloating[Any]],
-    first: int,
-    count: int,
-    lines: NDArray[np.complexfloating[Any]],
-) -> None:
-    """Columns of a spectrum as lines, with zeros behind."""
-    ny = spectrum.shape[0]
-    for y in range(ny):
-        for c in range(count):
-            lines[c, y] = spectrum[y, first + c]
-    lines[:, ny:] = 0.0
-
-
-@compiled()
 def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
     """Scale lines of columns, seen as real and imaginary parts, by an even symbol."""
     n = parts.shape[1] // 2
@@ -286,19 +271,6 @@ def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
             factor = symbol[min(y, n - y), first + c]
             line[2 * y] *= factor
             line[2 * y + 1] *= factor
-
-
-@compiled()
-def store_columns(
-    spectrum: NDArray[np.complexfloating[Any]],
-    first: int,
-    count: int,
-    lines: NDArray[np.complexfloating[Any]],
-) -> None:
-    """Put lines back as columns, without what lies behind the spectrum."""
-    for y in range(spectrum.shape[0]):
-        for c in range(count):
-            spectrum[y, first + c] = lines[c, y]
 
 
 @compiled(fastmath=EXTREMES)
