@@ -53,10 +53,16 @@ def count_patches(mask: NDArray[np.bool_], *, periodic: bool) -> int:
         beside += [(bottom[-1], top[0]), (np.concatenate(left), np.concatenate(right))]
     else:  # nothing follows the last column
         beside = [(np.append(first, 0), np.append(last, 0)) for first, last in beside]
-    pairs = [_meeting(first, last, (-1, 0, 1)) for first, last in beside]
-    if not any(map(len, pairs)):
-        return count
-    return int(_merged(np.concatenate(pairs), count + 1).max())
+    parent: dict[int, int] = {}
+    for first, last in beside:
+        for a, b in _meeting(first, last, (-1, 0, 1)).tolist():
+            while a in parent:
+                a = parent[a]
+            while b in parent:
+                b = parent[b]
+            if a != b:
+                parent[max(a, b)] = min(a, b)
+    return count - len(parent)
 
 
 def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int32], int]:
@@ -74,7 +80,7 @@ def _meeting(
 ) -> NDArray[np.int32]:
     """Pairs of different labels that meet where two lines of pixels lie side by side, and moved
     along each other by `shifts`, round the end, shape (k, 2)."""
-    other = np.stack([np.roll(last, shift) for shift in shifts])
+    other = last[np.subtract.outer(np.arange(len(last)), shifts).T % len(last)]
     own = np.broadcast_to(first, other.shape)
     apart = (own > 0) & (other > 0) & (own != other)
     return np.stack((own[apart], other[apart]), axis=1)

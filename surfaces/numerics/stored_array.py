@@ -255,6 +255,8 @@ def most_together(source: Source) -> float:
 
 def drop_pages() -> None:
     """Give back the memory of all pages of mapped arrays that were touched; they stay on disk."""
+    if not len(_pages):  # to walk through no pages takes 3 us, at the end of every loop
+        return
     for pages in list(_pages):
         pages.madvise(mmap.MADV_DONTNEED)
 
