@@ -42,7 +42,10 @@ class Problem:
 
     @property
     def radii(self) -> NDArray[np.float64]:
-        """Radii of curvature over those of round contacts, shape (n, 3)."""
+        """Radii of curvature over those of round contacts, shape (n, 3); zero for contacts that do
+        not move aside."""
+        if not self.contact_shift:
+            return np.zeros((len(self.height), 3))
         return self.plan.round if self.elongation is None else self.elongation.radii
 
 
@@ -88,10 +91,6 @@ class State:
         laws = problem.laws(approach)
         self.problem, self.laws = problem, laws
         self.approach = np.where(laws.force > 0, approach, 0.0)
-        if not problem.contact_shift:
-            self.field = problem.plan.field(laws.force, laws.moment)
-            self.gain, self.shift, self.next_shift = np.zeros(len(approach)), tilt, tilt
-            return
         body, radii = problem.plan.footprints, problem.radii
         _, self.shift, moment = contact_shifts(body, laws, self.approach, tilt, radii)
         self.field = problem.plan.field(laws.force, laws.moment, laws.growth, moment, problem.form)
@@ -108,8 +107,6 @@ class State:
     def lag(self) -> float:
         """Share of the load that the difference between `shift` and `next_shift` can make: that
         of the moments' work, times the weight of all contact shifts."""
-        if self.next_shift is self.shift:
-            return 0.0
         return float(
             _newton_kernels.lag(
                 self.laws.force,
