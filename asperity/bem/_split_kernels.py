@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 from surfaces.numerics.compiled import SUMS, compiled
 
 from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
-from ._stencil_kernels import points as stencil_of_points
 from ._stencil_kernels import tile as stencil_of_tile
 
-_SHORTEST = 4
 _KEPT = 32
 _DENSE = 4
 COARSENING = 4
@@ -25,30 +23,23 @@ Index = NDArray[np.int64]
 
 @compiled()
 def cut_tiles(start: Index, columns: NDArray[np.int32], stride: int) -> Any:
-    """Cut the runs of a list into tiles of up to 16 neighbors; shorter pieces into points.
+    """Cover the points of a list by tiles of 16 neighbors of a row, each from a point on.
 
-    Returns place in the padded grid, first entry and length of each tile, and place and entry of
-    each point.
+    Returns place in the padded grid, first entry and number of entries of each tile.
     """
-    n = columns.size
-    tiles, points = np.empty((n // _SHORTEST, 3), np.int32), np.empty((n, 2), np.int32)
-    n_tiles = n_points = 0
+    tiles = np.empty((columns.size, 3), np.int32)
+    n = 0
     for y in range(start.size - 1):
         origin = (RADIUS + y) * stride + LANES
         k = start[y]
         while k < start[y + 1]:
             m = 1
-            while m < LANES and k + m < start[y + 1] and columns[k + m] == columns[k] + m:
+            while k + m < start[y + 1] and columns[k + m] < columns[k] + LANES:
                 m += 1
-            if m >= _SHORTEST:
-                tiles[n_tiles, 0], tiles[n_tiles, 1], tiles[n_tiles, 2] = origin + columns[k], k, m
-                n_tiles += 1
-            else:
-                for i in range(k, k + m):
-                    points[n_points, 0], points[n_points, 1] = origin + columns[i], i
-                    n_points += 1
+            tiles[n, 0], tiles[n, 1], tiles[n, 2] = origin + columns[k], k, m
+            n += 1
             k += m
-    return tiles[:n_tiles].copy(), points[:n_points].copy()
+    return tiles[:n].copy()
 
 
 @compiled()
@@ -80,47 +71,29 @@ def place(
 
 @compiled()
 def near_tiles(
-    grid: Single, tiles: NDArray[np.int32], quadrant: Single, short: bool, result: Single
+    grid: Single,
+    tiles: NDArray[np.int32],
+    columns: NDArray[np.int32],
+    quadrant: Single,
+    short: bool,
+    result: Single,
 ) -> None:
     """Stencil sums of the values on the padded grid at the points of tiles.
 
-    `tiles` come from `cut_tiles`, `quadrant` from `stencil.vector_tables`. A tile writes 16 sums;
-    those past its end are written anew by the tiles that follow it, or by `near_points`.
+    `tiles` come from `cut_tiles`, `quadrant` from `stencil.quadrant`.
     """
     flat, stride = grid.reshape(grid.size), grid.shape[1]
-    rest = np.empty(LANES, np.float32)
-    count = tiles.shape[0]
-    end = tiles[count - 1, 1] + tiles[count - 1, 2] if count > 0 else 0
-    for t in range(count):
-        k = tiles[t, 1]
-        out = result[k:] if k + LANES <= end else rest
+    sums = np.empty(LANES, np.float32)
+    for t in range(tiles.shape[0]):
+        k, n = tiles[t, 1], tiles[t, 2]
+        out = result[k:] if n == LANES else sums
         if short:
             stencil_of_tile(SHORT_RADIUS, flat, tiles[t, 0], stride, quadrant, out)
         else:
             stencil_of_tile(RADIUS, flat, tiles[t, 0], stride, quadrant, out)
-        if k + LANES > end:
-            for i in range(tiles[t, 2]):
-                result[k + i] = rest[i]
-
-
-@compiled()
-def near_points(
-    grid: Single, points: NDArray[np.int32], rows: Single, short: bool, result: Single
-) -> None:
-    """Stencil sums as `near_tiles`, at points on their own, four together; after the tiles."""
-    flat, stride = grid.reshape(grid.size), grid.shape[1]
-    last = points.shape[0] - 1
-    for i in range(0, last + 1, 4):
-        j, k, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
-        at = points[i, 0], points[j, 0], points[k, 0], points[m, 0]
-        if short:
-            found = stencil_of_points(SHORT_RADIUS, flat, *at, stride, rows)
-        else:
-            found = stencil_of_points(RADIUS, flat, *at, stride, rows)
-        result[points[i, 1]] = found[0]
-        result[points[j, 1]] = found[1]
-        result[points[k, 1]] = found[2]
-        result[points[m, 1]] = found[3]
+        if n < LANES:
+            for i in range(n):
+                result[k + i] = sums[columns[k + i] - columns[k]]
 
 
 @compiled(fastmath=SUMS)
