@@ -11,10 +11,10 @@ from .numerics import parallel
 from .numerics.compiled import compiled, inner
 from .numerics.stored_array import Source, windows
 
-__all__ = ["label_patches", "points_at", "root"]
+__all__ = ["count_patches", "label_patches", "points_at", "root"]
 
-
-_NO_PAIRS = np.zeros((0, 2), np.int32)
+_STRIP = 1 << 20
+"""Pixels whose patches are found at once where they are counted only."""
 
 
 def label_patches(
@@ -27,11 +27,42 @@ def label_patches(
     """
     labels, count = _components(mask, 8 if corners else 4)
     shifts = (-1, 0, 1) if corners else (0,)
-    pairs = _seam_pairs(labels, shifts) if periodic and count > 1 else _NO_PAIRS
+    if not periodic or count == 1:
+        return labels, count - 1
+    lines = (labels[0], labels[-1]), (labels[:, 0], labels[:, -1])
+    pairs = np.concatenate([_meeting(first, last, shifts) for first, last in lines])
     if not len(pairs):
         return labels, count - 1
     target = _merged(pairs, count)
     return target[labels], int(target.max())
+
+
+def count_patches(mask: NDArray[np.bool_], *, periodic: bool) -> int:
+    """Number of the patches of a mask that `label_patches` finds, in strips of rows: the labels of
+    a whole map would take four bytes for each pixel."""
+    count, step = 0, max(1, _STRIP // mask.shape[1])
+    strips = []
+    for y in range(0, len(mask), step):
+        labels, found = _components(mask[y : y + step], 8)
+        lines = labels[0], labels[-1], labels[:, 0], labels[:, -1]
+        strips.append([np.where(line > 0, line + count, 0) for line in lines])
+        count += found - 1
+    top, bottom, left, right = zip(*strips, strict=True)
+    beside = list(zip(bottom[:-1], top[1:], strict=True))
+    if periodic:
+        beside += [(bottom[-1], top[0]), (np.concatenate(left), np.concatenate(right))]
+    else:  # nothing follows the last column
+        beside = [(np.append(first, 0), np.append(last, 0)) for first, last in beside]
+    parent: dict[int, int] = {}
+    for first, last in beside:
+        for a, b in _meeting(first, last, (-1, 0, 1)).tolist():
+            while a in parent:
+                a = parent[a]
+            while b in parent:
+                b = parent[b]
+            if a != b:
+                parent[max(a, b)] = min(a, b)
+    return count - len(parent)
 
 
 def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int32], int]:
@@ -44,15 +75,15 @@ def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int
     return np.asarray(labels, np.int32), count
 
 
-def _seam_pairs(labels: NDArray[np.int32], shifts: tuple[int, ...]) -> NDArray[np.int32]:
-    """Pairs of labels that meet across the seam, moved along it by `shifts`, shape (k, 2)."""
-    pairs = []
-    for first, last in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
-        for shift in shifts:
-            other = np.roll(last, shift)
-            both = (first > 0) & (other > 0)
-            pairs.append(np.stack([first[both], other[both]], axis=1))
-    return np.unique(np.concatenate(pairs), axis=0)
+def _meeting(
+    first: NDArray[np.int32], last: NDArray[np.int32], shifts: tuple[int, ...]
+) -> NDArray[np.int32]:
+    """Pairs of different labels that meet where two lines of pixels lie side by side, and moved
+    along each other by `shifts`, round the end, shape (k, 2)."""
+    other = last[np.subtract.outer(np.arange(len(last)), shifts).T % len(last)]
+    own = np.broadcast_to(first, other.shape)
+    apart = (own > 0) & (other > 0) & (own != other)
+    return np.stack((own[apart], other[apart]), axis=1)
 
 
 def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:

@@ -79,17 +79,6 @@ def contact_sums(
 
 
 @compiled()
-def held_gap(pressure: Grid, displacement: Grid, heights: Grid, cap: float, lowest: float) -> float:
-    """Sum of the gaps where p >= cap, none counted below the lowest."""
-    total = 0.0
-    for y in range(heights.shape[0]):
-        for x in range(heights.shape[1]):
-            if pressure[y, x] >= cap:
-                total += max(displacement[y, x] - heights[y, x], lowest)
-    return total
-
-
-@compiled()
 def select(
     pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid, threshold: float
 ) -> Any:
@@ -126,83 +115,6 @@ def select(
                         g[k] = gap
                         k += 1
     return start, columns, p, g
-
-
-@compiled(fastmath=EXTREMES)
-def moments(heights: Grid) -> Any:
-    """Mean, largest, and root-mean-square height about the mean."""
-    total, highest = 0.0, -np.inf
-    for y in range(heights.shape[0]):
-        row, high = 0.0, -np.inf
-        for x in range(heights.shape[1]):
-            row += heights[y, x]
-            high = max(high, heights[y, x])
-        total += row
-        highest = max(highest, high)
-    mean = total / heights.size
-    square = 0.0
-    for y in range(heights.shape[0]):
-        row = 0.0
-        for x in range(heights.shape[1]):
-            row += (heights[y, x] - mean) ** 2
-        square += row
-    return mean, highest, np.sqrt(square / heights.size)
-
-
-@compiled()
-def undecided(
-    pressure: Grid,
-    displacement: Grid,
-    heights: Grid,
-    block_low: Grid,
-    level: float,
-    own: float,
-    step: float,
-    opening: NDArray[np.int64],
-    closing: NDArray[np.int64],
-) -> None:
-    """Count points about to open or close, by steps of the length that decides it.
-
-    That is, of a point under pressure, the displacement by this pressure alone, `own` for each
-    unit of it; of another, the gap above the level. `block_low` comes from `contact_sums`.
-    """
-    ny, nx = heights.shape
-    last = opening.size - 1
-    limit = opening.size * step
-    for y in range(ny):
-        for b in range(block_low.shape[1]):
-            if block_low[y, b] < level + limit:
-                for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
-                    if pressure[y, x] > 0.0:
-                        length = pressure[y, x] * own
-                        if length < limit:
-                            opening[min(int(length / step), last)] += 1
-                    else:
-                        length = displacement[y, x] - heights[y, x] - level
-                        if length < limit:
-                            closing[min(int(max(length, 0.0) / step), last)] += 1
-
-
-@compiled()
-def finish(
-    rows: tuple[int, int],
-    pressure: Grid,
-    displacement: Grid,
-    heights: Grid,
-    unit: float,
-    level: float,
-    cap: float,
-    hardness: float,
-) -> None:
-    """Turn p~ into pressure and u into the gap above a level, in place.
-
-    Both bounds of the pressure are met to the last digit.
-    """
-    for y in range(rows[0], rows[1]):
-        for x in range(heights.shape[1]):
-            p = pressure[y, x]
-            pressure[y, x] = hardness if p >= cap else min(p * unit, hardness)
-            displacement[y, x] -= heights[y, x] + level
 
 
 @compiled()
@@ -262,21 +174,6 @@ def multiply(rows: tuple[int, int], parts: Grid, symbol: Grid) -> None:
 
 
 @compiled()
-def load_columns(
-    spectrum: NDArray[np.complexfloating[Any]],
-    first: int,
-    count: int,
-    lines: NDArray[np.complexfloating[Any]],
-) -> None:
-    """Columns of a spectrum as lines, with zeros behind."""
-    ny = spectrum.shape[0]
-    for y in range(ny):
-        for c in range(count):
-            lines[c, y] = spectrum[y, first + c]
-    lines[:, ny:] = 0.0
-
-
-@compiled()
 def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
     """Scale lines of columns, seen as real and imaginary parts, by an even symbol."""
     n = parts.shape[1] // 2
@@ -286,19 +183,6 @@ def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
             factor = symbol[min(y, n - y), first + c]
             line[2 * y] *= factor
             line[2 * y + 1] *= factor
-
-
-@compiled()
-def store_columns(
-    spectrum: NDArray[np.complexfloating[Any]],
-    first: int,
-    count: int,
-    lines: NDArray[np.complexfloating[Any]],
-) -> None:
-    """Put lines back as columns, without what lies behind the spectrum."""
-    for y in range(spectrum.shape[0]):
-        for c in range(count):
-            spectrum[y, first + c] = lines[c, y]
 
 
 @compiled(fastmath=EXTREMES)

@@ -10,45 +10,34 @@ from numpy.typing import NDArray
 from surfaces.numerics.compiled import SUMS, compiled
 
 from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
-from ._stencil_kernels import points as stencil_of_points
 from ._stencil_kernels import tile as stencil_of_tile
 
-_SHORTEST = 4
 _KEPT = 32
-_DENSE = 4
 COARSENING = 4
 TAPS = 4
-_FOUR = np.uint64(COARSENING)
 Single = NDArray[np.float32]
 Index = NDArray[np.int64]
 
 
 @compiled()
 def cut_tiles(start: Index, columns: NDArray[np.int32], stride: int) -> Any:
-    """Cut the runs of a list into tiles of up to 16 neighbors; shorter pieces into points.
+    """Cover the points of a list by tiles of 16 neighbors of a row, each from a point on.
 
-    Returns place in the padded grid, first entry and length of each tile, and place and entry of
-    each point.
+    Returns place in the padded grid, first entry and number of entries of each tile.
     """
-    n = columns.size
-    tiles, points = np.empty((n // _SHORTEST, 3), np.int32), np.empty((n, 2), np.int32)
-    n_tiles = n_points = 0
+    tiles = np.empty((columns.size, 3), np.int32)
+    n = 0
     for y in range(start.size - 1):
         origin = (RADIUS + y) * stride + LANES
         k = start[y]
         while k < start[y + 1]:
             m = 1
-            while m < LANES and k + m < start[y + 1] and columns[k + m] == columns[k] + m:
+            while k + m < start[y + 1] and columns[k + m] < columns[k] + LANES:
                 m += 1
-            if m >= _SHORTEST:
-                tiles[n_tiles, 0], tiles[n_tiles, 1], tiles[n_tiles, 2] = origin + columns[k], k, m
-                n_tiles += 1
-            else:
-                for i in range(k, k + m):
-                    points[n_points, 0], points[n_points, 1] = origin + columns[i], i
-                    n_points += 1
+            tiles[n, 0], tiles[n, 1], tiles[n, 2] = origin + columns[k], k, m
+            n += 1
             k += m
-    return tiles[:n_tiles].copy(), points[:n_points].copy()
+    return tiles[:n].copy()
 
 
 @compiled()
@@ -80,94 +69,29 @@ def place(
 
 @compiled()
 def near_tiles(
-    grid: Single, tiles: NDArray[np.int32], quadrant: Single, short: bool, result: Single
+    grid: Single,
+    tiles: NDArray[np.int32],
+    columns: NDArray[np.int32],
+    quadrant: Single,
+    short: bool,
+    result: Single,
 ) -> None:
     """Stencil sums of the values on the padded grid at the points of tiles.
 
-    `tiles` come from `cut_tiles`, `quadrant` from `stencil.vector_tables`. A tile writes 16 sums;
-    those past its end are written anew by the tiles that follow it, or by `near_points`.
+    `tiles` come from `cut_tiles`, `quadrant` from `stencil.quadrant`.
     """
     flat, stride = grid.reshape(grid.size), grid.shape[1]
-    rest = np.empty(LANES, np.float32)
-    count = tiles.shape[0]
-    end = tiles[count - 1, 1] + tiles[count - 1, 2] if count > 0 else 0
-    for t in range(count):
-        k = tiles[t, 1]
-        out = result[k:] if k + LANES <= end else rest
+    sums = np.empty(LANES, np.float32)
+    for t in range(tiles.shape[0]):
+        k, n = tiles[t, 1], tiles[t, 2]
+        out = result[k:] if n == LANES else sums
         if short:
             stencil_of_tile(SHORT_RADIUS, flat, tiles[t, 0], stride, quadrant, out)
         else:
             stencil_of_tile(RADIUS, flat, tiles[t, 0], stride, quadrant, out)
-        if k + LANES > end:
-            for i in range(tiles[t, 2]):
-                result[k + i] = rest[i]
-
-
-@compiled()
-def near_points(
-    grid: Single, points: NDArray[np.int32], rows: Single, short: bool, result: Single
-) -> None:
-    """Stencil sums as `near_tiles`, at points on their own, four together; after the tiles."""
-    flat, stride = grid.reshape(grid.size), grid.shape[1]
-    last = points.shape[0] - 1
-    for i in range(0, last + 1, 4):
-        j, k, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
-        at = points[i, 0], points[j, 0], points[k, 0], points[m, 0]
-        if short:
-            found = stencil_of_points(SHORT_RADIUS, flat, *at, stride, rows)
-        else:
-            found = stencil_of_points(RADIUS, flat, *at, stride, rows)
-        result[points[i, 1]] = found[0]
-        result[points[j, 1]] = found[1]
-        result[points[k, 1]] = found[2]
-        result[points[m, 1]] = found[3]
-
-
-@compiled(fastmath=SUMS)
-def _spread_row(
-    columns: NDArray[np.int32],
-    values: Single,
-    first_x: Index,
-    weight_x: Single,
-    whole: bool,
-    dense: Single,
-    wide: Single,
-    row: Single,
-) -> None:
-    """Spread the points of one row along x; `dense` and `wide` are scratch."""
-    nxc = row.size
-    if whole and columns.size * _DENSE > nxc:
-        width = nxc + 2 * TAPS
-        dense[:] = np.float32(0.0)
-        for k in range(columns.size):
-            place = np.uint64(columns[k])
-            place = (place % _FOUR) * np.uint64(width) + place // _FOUR + np.uint64(TAPS)
-            dense[place] = values[k]
-        wide[:] = np.float32(0.0)
-        for phase in range(COARSENING):
-            a, b = weight_x[phase, 0], weight_x[phase, 1]
-            c, d = weight_x[phase, 2], weight_x[phase, 3]
-            own = dense[phase * width :]
-            for x in range(nxc + TAPS):
-                wide[x] += a * own[x + 4] + b * own[x + 3] + c * own[x + 2] + d * own[x + 1]
-        shift = first_x[0]
-        for x in range(nxc - shift):
-            row[shift + x] = wide[x]
-        for x in range(shift):
-            row[x] = wide[nxc - shift + x]
-        for x in range(TAPS):
-            row[(nxc + x + shift) % nxc] += wide[nxc + x]
-        return
-    row[:] = np.float32(0.0)
-    for k in range(columns.size):
-        x = columns[k]
-        first, value = first_x[x], values[k]
-        if first + TAPS <= nxc:
-            for t in range(TAPS):
-                row[first + t] += weight_x[x, t] * value
-        else:
-            for t in range(TAPS):
-                row[(first + t) % nxc] += weight_x[x, t] * value
+        if n < LANES:
+            for i in range(n):
+                result[k + i] = sums[columns[k + i] - columns[k]]
 
 
 @compiled(fastmath=SUMS)
@@ -180,34 +104,34 @@ def spread(
     weight_x: Single,
     rows_of: Index,
     weight_of: Single,
-    whole: bool,
     coarse: Single,
 ) -> None:
     """Spread the listed values on rows of the coarse grid by B-splines, along x, then along y.
 
     `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse row, filled up with weights of
-    zero. `whole` says that there are just 4 fine columns to a coarse one: then the weights repeat,
-    and a row with many points is spread phase by phase. A row is kept while coarse rows that follow
-    want it.
+    zero. A row that is spread along x is kept while coarse rows that follow want it.
     """
     nxc = coarse.shape[1]
-    dense = np.empty(COARSENING * (nxc + 2 * TAPS), np.float32)
-    wide = np.empty(nxc + TAPS, np.float32)
-    kept = np.empty((_KEPT, nxc), np.float32)
+    kept = np.empty((_KEPT, nxc + TAPS), np.float32)
     place = np.full(_KEPT, -1)
     for y in range(rows[0], rows[1]):
         target = coarse[y]
         target[:] = np.float32(0.0)
         for k in range(rows_of.shape[1]):
             source, weight = rows_of[y, k], weight_of[y, k]
-            first, last = start[source], start[source + 1]
-            if weight == 0.0 or last == first:
+            if weight == 0.0 or start[source + 1] == start[source]:
                 continue
             row = kept[source % _KEPT]
             if place[source % _KEPT] != source:
                 place[source % _KEPT] = source
-                own, held = columns[first:last], values[first:last]
-                _spread_row(own, held, first_x, weight_x, whole, dense, wide, row)
+                row[:] = np.float32(0.0)
+                for i in range(start[source], start[source + 1]):
+                    x, value = np.uint64(columns[i]), values[i]
+                    first = np.uint64(first_x[x])
+                    for t in range(np.uint64(TAPS)):
+                        row[first + t] += weight_x[x, t] * value
+                for t in range(TAPS):
+                    row[t] += row[nxc + t]
             for x in range(nxc):
                 target[x] += weight * row[x]
 
@@ -223,20 +147,14 @@ def gather(
     first_x: Index,
     weight_x: Single,
     nxc: int,
-    whole: bool,
     result: Single,
 ) -> None:
     """Add the coarse field (nyc, nxc), interpolated by B-splines, to the result at the points of
-    some rows.
-
-    `coarse` may be wider; `whole` as in `spread`.
-    """
+    some rows. `coarse` may be wider."""
     nyc = coarse.shape[0]
-    dense = np.empty(COARSENING * nxc, np.float32)
-    wide, row = np.empty(nxc + TAPS, np.float32), np.empty(nxc, np.float32)
+    row = np.empty(nxc + TAPS, np.float32)
     for y in range(rows[0], rows[1]):
-        n = start[y + 1] - start[y]
-        if n == 0:
+        if start[y + 1] == start[y]:
             continue
         first = first_y[y]
         a, b, c, d = weight_y[y, 0], weight_y[y, 1], weight_y[y, 2], weight_y[y, 3]
@@ -244,32 +162,12 @@ def gather(
         c2, c3 = coarse[(first + 2) % nyc], coarse[(first + 3) % nyc]
         for x in range(nxc):
             row[x] = a * c0[x] + b * c1[x] + c * c2[x] + d * c3[x]
-        if whole and n * _DENSE > nxc:
-            shift = first_x[0]
-            for x in range(nxc - shift):
-                wide[x] = row[shift + x]
-            for x in range(shift):
-                wide[nxc - shift + x] = row[x]
-            for x in range(TAPS):
-                wide[nxc + x] = wide[x]
-            for phase in range(COARSENING):
-                a, b = weight_x[phase, 0], weight_x[phase, 1]
-                c, d = weight_x[phase, 2], weight_x[phase, 3]
-                own = dense[phase * nxc :]
-                for x in range(nxc):
-                    own[x] = a * wide[x] + b * wide[x + 1] + c * wide[x + 2] + d * wide[x + 3]
-            for k in range(start[y], start[y + 1]):
-                place = np.uint64(columns[k])
-                result[k] += dense[(place % _FOUR) * np.uint64(nxc) + place // _FOUR]
-            continue
+        for t in range(TAPS):
+            row[nxc + t] = row[t]
         for k in range(start[y], start[y + 1]):
-            x = columns[k]
-            first = first_x[x]
+            x = np.uint64(columns[k])
+            first = np.uint64(first_x[x])
             total = np.float32(0.0)
-            if first + TAPS <= nxc:
-                for t in range(TAPS):
-                    total += weight_x[x, t] * row[first + t]
-            else:
-                for t in range(TAPS):
-                    total += weight_x[x, t] * row[(first + t) % nxc]
+            for t in range(np.uint64(TAPS)):
+                total += weight_x[x, t] * row[first + t]
             result[k] += total

@@ -1,15 +1,12 @@
-"""Symmetric stencils on a padded grid (docs/development/half_space.md), 16 points or 16 taps at
-once.
+"""Symmetric stencils on a padded grid (docs/development/half_space.md), 16 points at once.
 
 Written with vectors because the automatic vectorizer does not find them. A tile is 16 neighbors of
 a row: rows at equal distance above and below are added first, then weighted, and the weighted sums
-are shifted last, so that a tile costs as much as four to five points on their own. Four such points
-share one load of the weights.
+are shifted last, so that a tile costs as much as four to five points on their own.
 """
 
 from __future__ import annotations
 
-import numpy as np
 from numba import carray, types
 
 from surfaces.numerics.compiled import inner
@@ -18,16 +15,13 @@ from surfaces.numerics.vectors import (
     multiply_add,
     on_stack,
     repeater,
-    splatter,
     store,
-    total,
 )
 
 __all__ = [
     "LANES",
     "RADIUS",
     "SHORT_RADIUS",
-    "points",
     "tile",
 ]
 
@@ -37,7 +31,7 @@ LANES = 16
 _HALF = LANES // 2
 _ROWS = 2 * LANES * (RADIUS + 1)
 
-_load, _repeat, _splat = loader(LANES), repeater(LANES), splatter(LANES)
+_load, _repeat = loader(LANES), repeater(LANES)
 _rows = on_stack(types.float32, _ROWS)
 
 
@@ -72,22 +66,3 @@ def tile(radius, grid, place, stride, weights, sums):
         middle = 2 * LANES * distance + _HALF
         found = found + _load(weighted, middle - distance) + _load(weighted, middle + distance)
     store(sums, 0, found)
-
-
-@inner(forceinline=True)
-def points(radius, grid, a, b, c, d, stride, weights):
-    """Stencil sums at the flat offsets a, b, c and d of the grid.
-
-    grid and weights are flat float32 arrays; weights hold a row of 16 lanes for each row of
-    the stencil, from 7 points before its center on.
-    """
-    nothing = _splat(np.float32(0.0))
-    e, f, g, h = nothing, nothing, nothing, nothing
-    for row in range(2 * radius + 1):
-        taps = _load(weights, row * LANES)
-        shift = (row - radius) * stride - RADIUS
-        e = multiply_add(_load(grid, a + shift), taps, e)
-        f = multiply_add(_load(grid, b + shift), taps, f)
-        g = multiply_add(_load(grid, c + shift), taps, g)
-        h = multiply_add(_load(grid, d + shift), taps, h)
-    return total(e), total(f), total(g), total(h)

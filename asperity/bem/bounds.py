@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ._grid_kernels import undecided
+from ._grid_kernels import select
 from .correction import Outcome
 from .problem import ContactProblem
 
@@ -57,15 +58,23 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     if pixels == 0.0:
         return 0.0, 0.0
     exact = problem.level.exact
-    counts = np.zeros((2, round(_DECIDED * _TOGETHER)), np.int64)
-    step = _level_error(outcome) / _TOGETHER
+    reading, far = outcome.reading, _DECIDED * _level_error(outcome)
     fields = exact.pressure, exact.displacement, problem.level.heights
-    known = outcome.reading.block_low, outcome.reading.level
-    undecided(*fields, *known, problem.own, step, *counts)
-    opening, closing = counts.max(axis=1)
-    opening = max(opening, counts[0].sum() - counts[1].sum())
+    _, _, pressure, gap = select(*fields, reading.block_low, reading.level + far)
+    pressed = pressure > 0.0
+    # a point under pressure lies as deep as this pressure alone displaces it
+    opens = _by_length(pressure[pressed] * problem.own, far)
+    closes = _by_length(gap[~pressed] - reading.level, far)
+    opening, closing = max(opens.max(), opens.sum() - closes.sum()), closes.max()
     leap = float(max(opening / max(pixels - opening, 1.0), closing / pixels))
     return max(AREA_OVER_LOAD_ERROR * _past_error(outcome), leap) + 1.0 / pixels, 1.0 / pixels
+
+
+def _by_length(lengths: NDArray[np.float64], far: float) -> NDArray[np.int64]:
+    """Number of points that are decided by lengths [units], up to the farthest, in equal steps."""
+    steps = round(_DECIDED * _TOGETHER)
+    near = np.maximum(lengths[lengths < far], 0.0) / (far / steps)
+    return np.bincount(np.minimum(near.astype(np.int64), steps - 1), minlength=steps)
 
 
 def _past_error(outcome: Outcome) -> float:

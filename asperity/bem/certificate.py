@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.parallel import by_rows
 
-from ._grid_kernels import BLOCK, contact_sums, held_gap
+from ._grid_kernels import BLOCK, contact_sums
 
 __all__ = ["Certificate", "Reading", "certify"]
 
@@ -125,7 +125,9 @@ def certify(
     most, lowest = lowest, highest if lowest == np.inf else lowest
     level = gap_sum / count if count else lowest
     if held:
-        work += cap * held_gap(pressure, displacement, heights, cap, lowest)
+        at_cap = pressure[:, :nx] >= cap
+        gap = displacement[:, :nx][at_cap] - heights[at_cap]
+        work += cap * float(np.maximum(gap, lowest).sum())
         if count == 0:  # any level between the two bounds
             level = 0.5 * (lowest + highest)
             if offset is not None:

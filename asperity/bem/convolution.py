@@ -113,13 +113,15 @@ class _Blocked:
             self._spectrum[y : y + _ROWS] = lines.half[: len(block)]
 
     def _columns(self, symbol: NDArray[Any], lines: _Lines, start: int, stop: int) -> None:
+        ny = self._shape[0]
         for x in range(start * _COLUMNS, min(stop * _COLUMNS, self._half), _COLUMNS):
             count = min(_COLUMNS, self._half - x)
-            _grid_kernels.load_columns(self._spectrum, x, count, lines.columns)
+            lines.columns[:count, :ny] = self._spectrum[:, x : x + count].T
+            lines.columns[:, ny:] = 0.0
             lines.forward_columns()
             _grid_kernels.scale_columns(symbol, x, count, lines.columns.view(symbol.dtype))
             lines.backward_columns()
-            _grid_kernels.store_columns(self._spectrum, x, count, lines.columns)
+            self._spectrum[:, x : x + count] = lines.columns[:count, :ny].T
 
     def _backward_rows(self, lines: _Lines, start: int, stop: int) -> None:
         ny, nx = self._shape

@@ -123,7 +123,8 @@ class Level:
         self.heights = heights
         self.exact = exact
         self.cap = cap
-        self.mean_height, self.highest, self.rms_height = _grid_kernels.moments(heights)
+        self.mean_height, self.highest = float(heights.mean()), float(heights.max())
+        self.rms_height = float(heights.std())
         self._careful = False
         self._split: SplitOperator | None = None
         self._full: FullGridOperator | None = None

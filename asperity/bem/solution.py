@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.scene import Boundary
 from surfaces.heightmap import HeightMap
-from surfaces.patches import label_patches
+from surfaces.patches import count_patches, label_patches
 
-from ._contact_kernels import contact_counts
 from .certificate import Certificate
 
 __all__ = ["BemSolution", "contours", "read_contact"]
@@ -213,10 +212,20 @@ def read_contact(
     number of edges times the pixel area, so that it holds for pixels that are not square. The area
     is never less than the load over the hardness.
     """
-    pixels, edges, patches = contact_counts(pressure, nx, periodic)
+    contact = pressure[:, :nx] > 0.0
+    pixels, patches = np.count_nonzero(contact), count_patches(contact, periodic=periodic)
+    edges = _edges(contact, periodic) + _edges(contact.T, periodic)
     pixel = spacing[0] * spacing[1]
     least = float(pressure.sum()) / hardness if math.isfinite(hardness) else 0.0
     return pixels * pixel, max(pixels - AREA_FACTOR * edges, least) * pixel, patches
+
+
+def _edges(contact: NDArray[np.bool_], periodic: bool) -> int:
+    """Edges along the first axis between pixels of the contact and others, and those at the border
+    of the map, where its other side follows if it is periodic, no contact if not."""
+    first, last = contact[0], contact[-1]
+    border = first != last if periodic else np.stack((first, last))
+    return int(np.count_nonzero(contact[1:] != contact[:-1]) + np.count_nonzero(border))
 
 
 def contours(contact: NDArray[np.bool_], spacing: tuple[float, float]) -> list[NDArray[np.float64]]:

@@ -12,9 +12,7 @@ from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import expected_area_fraction, require_scene
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.parallel import by_rows
 
-from ._grid_kernels import finish
 from .bounds import area_error, load_error
 from .correction import PressureOrigin
 from .problem import ContactProblem
@@ -104,29 +102,23 @@ def bem_solve(
     bounds = load_error(problem, outcome), area_error(problem, outcome)[0]
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
-    gap = exact.displacement[:, : hm.shape[1]]
-    by_rows(
-        finish,
-        hm.shape,
-        exact.pressure,
-        gap,
-        problem.level.heights,
-        1.0 / problem.compliance,
-        level,
-        problem.level.cap,
-        material.hardness,
-    )
+    found, gap = problem.level.pressure, exact.displacement[:, : hm.shape[1]]
+    held = found >= problem.level.cap
+    found /= problem.compliance
+    np.minimum(found, material.hardness, out=found)  # both bounds are met to the last digit
+    found[held] = material.hardness
+    gap -= problem.level.heights
+    gap -= level
     if problem.unit != 1.0:
         gap *= problem.unit
     depth = np.broadcast_to(0.0, hm.shape)
     if reading.held:
-        held = exact.pressure[:, : hm.shape[1]] >= material.hardness
         depth = np.where(held, np.maximum(-gap, 0.0), 0.0)
         gap += depth
     mean = problem.mean_pressure(outcome)
     return BemSolution(
         surface=surface,
-        pressure=exact.pressure[:, : hm.shape[1]],
+        pressure=found,
         gap=gap,
         plastic_depth=depth,
         separation=problem.separation(outcome),

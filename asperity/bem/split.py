@@ -19,7 +19,7 @@ from ._split_kernels import COARSENING, TAPS
 from ._stencil_kernels import LANES, RADIUS
 from .contact_list import ContactList
 from .operator import HalfSpaceOperator
-from .stencil import fitted_stencil, precondition_stencil, stencil_symbol, vector_tables
+from .stencil import fitted_stencil, precondition_stencil, quadrant, stencil_symbol
 from .transform import Scratch
 
 __all__ = ["SplitOperator"]
@@ -28,7 +28,7 @@ _ASPECT_STEP = 0.03
 """Logarithmic step to which pixel aspect ratios are rounded, so that stencils are found again."""
 
 _LEAST_PLACES = 500
-"""Tiles, or points on their own, that repay a thread."""
+"""Tiles that repay a thread."""
 
 
 class SplitOperator:
@@ -42,8 +42,8 @@ class SplitOperator:
         aspect = exact.spacing[0] / exact.spacing[1]
         fit_aspect = math.exp(_ASPECT_STEP * round(math.log(aspect) / _ASPECT_STEP))
         stencil = fitted_stencil(fit_aspect, exact.m, not self.periodic, COARSENING, TAPS)
-        self._near = vector_tables(stencil)
-        self._inverse = vector_tables(precondition_stencil(fit_aspect, exact.m))
+        self._near = quadrant(stencil)
+        self._inverse = quadrant(precondition_stencil(fit_aspect, exact.m))
         ny, nx = self.shape
         scratch = Scratch(exact.pressure)
         self._grid = scratch.zeros((ny + 2 * RADIUS + 1, nx + 2 * LANES), np.float32)
@@ -53,7 +53,6 @@ class SplitOperator:
         )
         self._first_y, self._weight_y = _taps(ny, exact.padded[0], nyc)
         self._first_x, self._weight_x = _taps(nx, exact.padded[1], nxc)
-        self._whole = exact.padded[1] == COARSENING * nxc
         self._rows_of, self._weight_of = _transposed(self._first_y, self._weight_y, nyc)
         self._symbol = _remainder(exact, stencil, (nyc, nxc))
 
@@ -62,29 +61,22 @@ class SplitOperator:
         self._grid[:] = 0.0
         self._list = points
         stride = self._grid.shape[1]
-        self._tiles, self._points = _split_kernels.cut_tiles(points.start, points.columns, stride)
+        self._tiles = _split_kernels.cut_tiles(points.start, points.columns, stride)
 
     def _stencil(
-        self,
-        values: NDArray[np.float32],
-        tables: tuple[NDArray[np.float32], NDArray[np.float32]],
-        short: bool,
+        self, values: NDArray[np.float32], weights: NDArray[np.float32], short: bool
     ) -> NDArray[np.float32]:
         result = np.empty_like(values)
-        points, (quadrant, rows) = self._list, tables
+        points, tiles = self._list, self._tiles
         _split_kernels.place(
             self._grid, self.shape, self.periodic, points.start, points.columns, values
         )
-        tiles, single = self._tiles, self._points
 
         def on_tiles(first: int, last: int) -> None:
-            _split_kernels.near_tiles(self._grid, tiles[first:last], quadrant, short, result)
-
-        def on_points(first: int, last: int) -> None:
-            _split_kernels.near_points(self._grid, single[first:last], rows, short, result)
+            some = tiles[first:last]
+            _split_kernels.near_tiles(self._grid, some, points.columns, weights, short, result)
 
         parallel.run(on_tiles, parallel.blocks(len(tiles), _LEAST_PLACES))
-        parallel.run(on_points, parallel.blocks(len(single), _LEAST_PLACES))
         return result
 
     def apply(self, pressure: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -101,7 +93,6 @@ class SplitOperator:
             self._weight_x,
             self._rows_of,
             self._weight_of,
-            self._whole,
             coarse.values,
         )
         coarse.apply(self._symbol)
@@ -116,7 +107,6 @@ class SplitOperator:
             self._first_x,
             self._weight_x,
             coarse.values.shape[1],
-            self._whole,
             result,
         )
         return result

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.influence import influence, symbol_quadrant
 
-from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
+from ._stencil_kernels import RADIUS, SHORT_RADIUS
 
-__all__ = ["fitted_stencil", "precondition_stencil", "stencil_symbol", "vector_tables"]
+__all__ = ["fitted_stencil", "precondition_stencil", "quadrant", "stencil_symbol"]
 
 _SAMPLES = 40
 """Frequencies per axis at which the symbol is fitted."""
@@ -127,9 +127,7 @@ def stencil_symbol(
     return result
 
 
-def vector_tables(stencil: NDArray[np.float64]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Weights as the compiled stencils read them: the quadrant, and the rows in 16 lanes each."""
+def quadrant(stencil: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Quadrant of a symmetric stencil from its center on, flat, as compiled stencils read it."""
     radius = stencil.shape[0] // 2
-    rows = np.zeros((2 * radius + 1, LANES), np.float32)
-    rows[:, RADIUS - radius : RADIUS + radius + 1] = stencil
-    return stencil[radius:, radius:].astype(np.float32).ravel(), rows.ravel()
+    return stencil[radius:, radius:].astype(np.float32).ravel()

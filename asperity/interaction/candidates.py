@@ -231,8 +231,6 @@ class CandidateList:
     def areas(self, system: ContactSystem, solution: Solution) -> Array:
         """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
         law, problem, table = solution.laws, self.problem, system.table
-        if not problem.contact_shift:
-            return law.area
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
         tilts = solution.tilt, problem.radii

@@ -258,6 +258,8 @@ def most_together(source: Source) -> float:
 
 def drop_pages() -> None:
     """Give back the memory of all pages of mapped arrays that were touched; they stay on disk."""
+    if not len(_pages):  # to walk through no pages takes 3 us, at the end of every loop
+        return
     with _changing:
         held = list(_pages)
     for pages in held:

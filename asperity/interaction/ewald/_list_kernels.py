@@ -78,26 +78,6 @@ def by_cell(y, x, size, cells, order, start):
 
 
 @compiled()
-def most_pairs(start, cells, wrap, rows):
-    """Pairs of points in the same or neighbouring cells, for the rows of cells."""
-    ncy, ncx = cells
-    total = 0
-    for cy in range(rows[0], rows[1]):
-        for cx in range(ncx):
-            home = cy * ncx + cx
-            own = start[home + 1] - start[home]
-            total += own * (own - 1) // 2
-            for oy in range(-1, 2):
-                by = _beside(cy, oy, ncy, wrap)
-                for ox in range(-1, 2):
-                    bx = _beside(cx, ox, ncx, wrap)
-                    other = by * ncx + bx
-                    if by >= 0 and bx >= 0 and other > home:
-                        total += own * (start[other + 1] - start[other])
-    return total
-
-
-@compiled()
 def half_list(y, x, start, cells, size, wrap, cut, rows, k, ptr, col, pair):
     """Pairs of points i < j closer than sqrt(cut) for the rows [rows[0], rows[1]) of cells.
 

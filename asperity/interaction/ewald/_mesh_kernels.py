@@ -70,15 +70,14 @@ def _copy_patch(mesh, lines, first, patch):
 
 @compiled(fastmath=SUMS)
 def deposit(rows, y, x, force, variance, cap, dipole, per_step, masses, aside):
-    """Spread sources on the meshes `masses` (1, my, mx) and `aside` (0 or 1, my, mx).
+    """Spread sources on the meshes `masses` and `aside` (1, my, mx).
 
-    First mesh: forces with half their variance, up to `cap`, times the Laplacian; second mesh, if
-    there is one: forces times shifts `dipole` (n, 2).
+    First mesh: forces with half their variance, up to `cap`, times the Laplacian; second mesh:
+    forces times shifts `dipole` (n, 2).
     """
     masses[:] = 0.0
     aside[:] = 0.0
     forces = masses[0]
-    moves = aside.shape[0] > 0
     shifts = aside[0]
     patch = carray(doubles(), (16,))
     other = carray(floats(), (16,))
@@ -93,19 +92,18 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, masses, aside):
         lines = _lines(iy, my)
         half = 0.5 * min(variance[i], cap)
         spread = (half * ny * ny, half * nx * nx)
+        shifted = (dipole[i, 0] * ny, dipole[i, 1] * nx)
         if ix + NODES <= width:
             places = _places(lines, ix, width)
             add_spread(forces, places, at, spread, f)
-            if moves:
-                add_moved(shifts, places, at, (dipole[i, 0] * ny, dipole[i, 1] * nx))
+            add_moved(shifts, places, at, shifted)
             continue
         patch[:] = 0.0
         add_spread(patch, PATCH, at, spread, f)
         _add_patch(forces, lines, ix, patch)
-        if moves:
-            other[:] = 0.0
-            add_moved(other, PATCH, at, (dipole[i, 0] * ny, dipole[i, 1] * nx))
-            _add_patch(shifts, lines, ix, other)
+        other[:] = 0.0
+        add_moved(other, PATCH, at, shifted)
+        _add_patch(shifts, lines, ix, other)
 
 
 @njit(inline="always")
@@ -143,14 +141,12 @@ def gather(
     """Sum of the mesh part, less what each point does to itself there, and the `near` part (n, 6).
 
     Into `value`, `slope`, `tilt` (n, 2), `moved` and `longer`, times `scale` (3): of lengths, of
-    slopes over variance, which footprints have `size` times, and of gradients; the last three only
-    if there is a second mesh.
+    slopes over variance, which footprints have `size` times, and of gradients.
     """
     patch = carray(doubles(), (16,))
     other = carray(floats(), (16,))
     ny, nx = per_step
     forces = smooth[0]
-    moves = aside.shape[0] > 0
     shifts = aside[0]
     f0, f1, f2 = own
     for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
@@ -162,12 +158,11 @@ def gather(
         bent = bent - force[i] * (0.5 * f1 + 0.25 * held * f2) if variance[i] < cap else 0.0
         value[i] = scale[0] * (level + near[i, 0])
         slope[i] = scale[1] * size[i] * (bent + near[i, 1])
-        if moves:
-            level = _read(shifts, iy, ix, at, other)[0]
-            tilt[i, 0] = scale[2] * (ny * along + near[i, 2])
-            tilt[i, 1] = scale[2] * (nx * across + near[i, 3])
-            moved[i] = scale[0] * (level + near[i, 4])
-            longer[i] = scale[0] * near[i, 5]
+        level = _read(shifts, iy, ix, at, other)[0]
+        tilt[i, 0] = scale[2] * (ny * along + near[i, 2])
+        tilt[i, 1] = scale[2] * (nx * across + near[i, 3])
+        moved[i] = scale[0] * (level + near[i, 4])
+        longer[i] = scale[0] * near[i, 5]
 
 
 @compiled(fastmath=SUMS)

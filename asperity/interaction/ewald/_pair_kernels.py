@@ -130,39 +130,37 @@ def _fill(i, k, stop, ptr, col, record, row, both, d):
 
 
 @njit(inline="always")
-def _set_sums(count, s, d, both, dy, dx, moves):
-    """Sums of two records as columns: variances `SUM` of `d` and `BOTH`, with `ROOT` for R; if
-    `moves`, `WIDE` with `STEEP` for R, and `SKEW`, positive where a pair may differ from a round
-    one by more than `NEGLIGIBLE`."""
+def _set_sums(count, s, d, both, dy, dx):
+    """Sums of two records as columns: variances `SUM` of `d` and `BOTH`, with `ROOT` for R; `WIDE`
+    with `STEEP` for R; and `SKEW`, positive where a pair may differ from a round one by more than
+    `NEGLIGIBLE`."""
     for k in range(count):
         total = both[FOUR * k]
         d[k + SUM] = total
         s[k + BOTH] = total
         s[k + ROOT] = dy[k] * dy[k] + dx[k] * dx[k] + np.float32(total) + TINY
-    if moves:
-        for k in range(count):
-            wide = np.float32(both[FOUR * k + np.uint64(1)])
-            reach = dy[k] * dy[k] + dx[k] * dx[k] + wide + TINY
-            s[k + WIDE] = wide
-            s[k + STEEP] = reach
-            s[k + SKEW] = np.float32(both[FOUR * k + TWO]) - NEGLIGIBLE * reach
+    for k in range(count):
+        wide = np.float32(both[FOUR * k + np.uint64(1)])
+        reach = dy[k] * dy[k] + dx[k] * dx[k] + wide + TINY
+        s[k + WIDE] = wide
+        s[k + STEEP] = reach
+        s[k + SKEW] = np.float32(both[FOUR * k + TWO]) - NEGLIGIBLE * reach
 
 
 @compiled()
 def in_split_lengths(variance, growth, moment, size, skew, cap, eta, exact, record, wide, dipole):
     """What `near_fields` reads, in split lengths, for footprints of `size` times the `variance` and
-    `growth`; `growth` and `moment` may be empty. `exact` is the variance."""
+    `growth`. `exact` is the variance."""
     square = 1.0 / (eta * eta)
     for i in range(variance.size):
         unit = square * size[i]
         exact[i] = unit * variance[i]
-        broad = exact[i] + (0.5 * unit * growth[i] if growth.size else 0.0)
+        broad = exact[i] + 0.5 * unit * growth[i]
         wide[i] = broad
         record[i, 0] = exact[i]
         record[i, 1] = broad
         record[i, 2] = broad * skew[i]
         record[i, 3] = min(exact[i], cap)
-    for i in range(len(moment)):
         dipole[i, 0] = moment[i, 0] / eta
         dipole[i, 1] = moment[i, 1] / eta
 
@@ -175,7 +173,6 @@ def near_fields(
     wide,
     form,
     dipole,
-    moves,
     cap,
     ptr,
     col,
@@ -195,8 +192,7 @@ def near_fields(
     as the mesh does. `record` (n, 4) holds the variance; that of the footprints of the gradients,
     `wide` in single precision, the mean of receiver and source; by how much these differ from round
     ones; and what the mesh takes of the variance. Moments of the footprints over their variance are
-    `form` (3, n), yy, xx, xy. Gradients, the field of forces times shifts `dipole` (n, 2) and the
-    last column are made only if `moves`.
+    `form` (3, n), yy, xx, xy; `dipole` (n, 2) are forces times shifts.
     """
     out[:] = 0.0
     s = carray(floats(), (COLUMNS * BLOCK,))
@@ -226,7 +222,7 @@ def near_fields(
         column = col[begin : begin + lanes]
         dy = pair[0][begin : begin + lanes]
         dx = pair[1][begin : begin + lanes]
-        _set_sums(lanes, s, d, both, dy, dx, moves)
+        _set_sums(lanes, s, d, both, dy, dx)
         set_powers(lanes, s, ROOT, power)
         _exact(lanes, s, d, dy, dx, power)
         for k in range(lanes):
@@ -246,60 +242,47 @@ def near_fields(
             c = np.uint64(np.int32(place))
             value = value_table[0, c] + (place - c) * value_table[1, c]
             d[k + NEAR] = value * d[k + NEAR] - d[k + PART]
-        if moves:
-            set_powers(lanes, s, STEEP, power)
-            for k in range(lanes):
-                inverse = s[k + FLAT]
-                pull = look(shape, 2, s[k + WIDE] * inverse) * s[k + STEEP] * inverse - s[k + BEND]
-                turn = s[k + CROSS]
-                s[k + PULL] = pull
-                s[k + PULL_ROW] = pull - np.float32(d[k + OTHER]) * turn
-                s[k + PULL_COLUMN] = pull - np.float32(d[k + OWN]) * turn
+        set_powers(lanes, s, STEEP, power)
+        for k in range(lanes):
+            inverse = s[k + FLAT]
+            pull = look(shape, 2, s[k + WIDE] * inverse) * s[k + STEEP] * inverse - s[k + BEND]
+            turn = s[k + CROSS]
+            s[k + PULL] = pull
+            s[k + PULL_ROW] = pull - np.float32(d[k + OTHER]) * turn
+            s[k + PULL_COLUMN] = pull - np.float32(d[k + OWN]) * turn
         k = np.uint64(0)
         while k < count:
             h = np.uint64(row[k])
             last = min(count, np.uint64(ptr[h, 1]) - begin)
             fi = force[h]
             a0, a1, a2, a3, a4 = 0.0, 0.0, 0.0, 0.0, 0.0
-            if moves:
-                py = dipole[h, 0]
-                px = dipole[h, 1]
-                for t in range(k, last):
-                    j = np.uint64(column[t])
-                    fj = force[j]
-                    value = d[t + NEAR]
-                    by = np.float64(dy[t])
-                    bx = np.float64(dx[t])
-                    pull = np.float64(s[t + PULL])
-                    to_row = fj * s[t + PULL_ROW]
-                    to_column = fi * s[t + PULL_COLUMN]
-                    a0 += fj * value
-                    a1 += fj * s[t + TO_ROW]
-                    a2 += to_row * by
-                    a3 += to_row * bx
-                    a4 -= (dipole[j, 0] * by + dipole[j, 1] * bx) * pull
-                    out[j, 0] += fi * value
-                    out[j, 1] += fi * s[t + TO_COLUMN]
-                    out[j, 2] -= to_column * by
-                    out[j, 3] -= to_column * bx
-                    out[j, 4] += (py * by + px * bx) * pull
-            else:
-                for t in range(k, last):
-                    j = np.uint64(column[t])
-                    fj = force[j]
-                    value = d[t + NEAR]
-                    a0 += fj * value
-                    a1 += fj * s[t + TO_ROW]
-                    out[j, 0] += fi * value
-                    out[j, 1] += fi * s[t + TO_COLUMN]
+            py = dipole[h, 0]
+            px = dipole[h, 1]
+            for t in range(k, last):
+                j = np.uint64(column[t])
+                fj = force[j]
+                value = d[t + NEAR]
+                by = np.float64(dy[t])
+                bx = np.float64(dx[t])
+                pull = np.float64(s[t + PULL])
+                to_row = fj * s[t + PULL_ROW]
+                to_column = fi * s[t + PULL_COLUMN]
+                a0 += fj * value
+                a1 += fj * s[t + TO_ROW]
+                a2 += to_row * by
+                a3 += to_row * bx
+                a4 -= (dipole[j, 0] * by + dipole[j, 1] * bx) * pull
+                out[j, 0] += fi * value
+                out[j, 1] += fi * s[t + TO_COLUMN]
+                out[j, 2] -= to_column * by
+                out[j, 3] -= to_column * bx
+                out[j, 4] += (py * by + px * bx) * pull
             out[h, 0] += a0
             out[h, 1] += a1
             out[h, 2] += a2
             out[h, 3] += a3
             out[h, 4] += a4
             k = last
-        if not moves:
-            continue
         for k in range(count):
             if s[k + SKEW] > ZERO:
                 listed[0, held] = row[k]

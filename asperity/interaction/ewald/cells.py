@@ -57,10 +57,6 @@ RUNG = 1.19
 PAIRS_PER_THREAD = 25_000
 """Pairs whose part of a field repays a thread."""
 
-CROWDED = 200
-"""Pairs of points in neighboring cells, for each point, from which on near pairs are counted before
-their memory is taken."""
-
 SLACK = 8
 """Places behind the last pair of a chunk that whole vectors may read or write."""
 
@@ -159,33 +155,19 @@ def near_pairs(
     rows = np.stack((edges[:-1], edges[1:]), axis=1)
     ptr = np.zeros((n, 2), np.int64)
     col, pair = np.empty(0, np.int32), np.empty((2, 0), np.float32)
-    first = np.zeros(len(rows) + 1, np.int64)
-    room = np.zeros(len(rows), np.int64)
-
+    first, number = np.zeros(len(rows), np.int64), np.zeros(len(rows), np.int64)
     y, x = (np.concatenate((place, np.zeros(LANES))) for place in (y, x))
 
     def find(c: int, part: NDArray[np.int64]) -> None:
         place = y, x, start, cells, size, wrap, cut * cut, part, first[c]
-        room[c] = _list_kernels.half_list(*place, ptr, col, pair)
+        number[c] = _list_kernels.half_list(*place, ptr, col, pair) - first[c]
 
-    most = [_list_kernels.most_pairs(start, cells, wrap, part) for part in rows]
-    if sum(most) > CROWDED * n:
+    run(find, rows)  # counts them
+    if number.any():
+        end = np.cumsum(number + SLACK)
+        first[1:] = end[:-1]
+        col, pair = np.zeros(end[-1], np.int32), np.zeros((2, end[-1]), np.float32)
         run(find, rows)
-    else:
-        room[:] = most
-    if room.any():
-        first[1:] = np.cumsum(room + SLACK)
-        col, pair = np.empty(first[-1], np.int32), np.empty((2, first[-1]), np.float32)
-        run(find, rows)
-        # of the room that the cells might take, pairs fill a third
-        found, begin = room - first[:-1], first.copy()
-        first[1:] = np.cumsum(found + SLACK)
-        wide, apart = col, pair
-        col, pair = np.zeros(first[-1], np.int32), np.zeros((2, first[-1]), np.float32)
-        for c, (top, bottom) in enumerate(rows * cells[1]):
-            here, there = (slice(at[c], at[c] + found[c]) for at in (first, begin))
-            col[here], pair[:, here] = wide[there], apart[:, there]
-            ptr[start[top] : start[bottom]] -= begin[c] - first[c]
     return ptr, col, pair
 
 

@@ -194,27 +194,26 @@ class Interaction:
         """Displacement by forces [N], shape (n,), spread with their variances per axis [m^2], shape
         (n,).
 
-        To know the gradients too, and the field of forces that have moved: `growth` is the variance
-        [m^2] by which the footprint of an increment exceeds that of the whole force, shape (n,),
-        and `moment` force times shift [N m], shape (n, 2). Elongated footprints have the second
-        moments `form` yy, xx, xy over their variance, shape (n, 3).
+        `growth` is the variance [m^2] by which the footprint of an increment exceeds that of the
+        whole force, shape (n,), and `moment` force times shift [N m] of those that have moved,
+        shape (n, 2); both zero if None. Elongated footprints have the second moments `form` yy, xx,
+        xy over their variance, shape (n, 3).
         """
-        n, moves = len(force), moment is not None
+        n = len(force)
         size, skew, shape = self.shaped(form)
         m, record, wide = np.empty(n), np.empty((n, 4)), np.empty(n, np.float32)
-        moment = np.empty((0, 2)) if moment is None else moment
-        dipole = np.empty((n if moves else 1, 2))
-        growth = np.empty(0) if growth is None else growth
+        moment = np.zeros((n, 2)) if moment is None else moment
+        growth = np.zeros(n) if growth is None else growth
+        dipole = np.empty((n, 2))
         _pair_kernels.in_split_lengths(
             variance, growth, moment, size, skew, CAP, self.eta, m, record, wide, dipole
         )
-        masses, aside = self.masses, self.aside[: int(moves)]
-        found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
+        found = Field(np.empty(n), np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n))
 
         def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
             place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
-            _mesh_kernels.deposit(np.array([0, n]), *place, masses, aside)
-            return self.mesh.convolve(masses), self.mesh_aside.convolve(aside) if moves else aside
+            _mesh_kernels.deposit(np.array([0, n]), *place, self.masses, self.aside)
+            return self.mesh.convolve(self.masses), self.mesh_aside.convolve(self.aside)
 
         def near(c: int) -> None:
             _pair_kernels.near_fields(
@@ -224,7 +223,6 @@ class Interaction:
                 wide,
                 shape,
                 dipole,
-                moves,
                 CAP,
                 self.ptr,
                 self.col,

@@ -1,7 +1,6 @@
-"""Compiled passes over the contacts of a trial point, and loops of the conjugate gradients.
+"""Compiled shifts of contacts, and loops of the conjugate gradients.
 
-The residual d_i + u_i - (z_i - s), the energy of which it is the gradient, both as in the notes of
-`State`, and the shifts of `contact_shifts` (docs/development/interaction.md, "Contact shift").
+The shifts are those of `contact_shifts` (docs/development/interaction.md, "Contact shift").
 Preconditioned conjugate gradients for A x = b, and for A x + c = b with the sum of x held, with the
 inverse D^-1 + D^-1 P E P' D^-1 of `TwoLevelPreconditioner`.
 """
@@ -101,104 +100,6 @@ def lag(force, stiffness, tilt, shift, next_shift, moved, gain):
         others += stiffness[i] * abs(moved[i])
         own += 2.0 * stiffness[i] * gain[i]
     return change / whole * max(others, own) / load if whole > 0.0 else 0.0
-
-
-@compiled()
-def mismatch(rows, own, stiffness, wanted, force, right, exponent, share):
-    """What a forecast of the forces lacks to the laws' `own` at the contacts `rows`, over the
-    stiffness, into `right`; the exponent of the power laws that they follow, and the forecast over
-    `own`. Returns the sum of `own`, and the root of the sum of the squares of the lacks over
-    stiffness times the sum of that."""
-    load = 0.0
-    total = 0.0
-    square = 0.0
-    for k in range(rows.size):
-        i = rows[k]
-        lack = own[i] - force[i]
-        right[k] = lack / stiffness[i]
-        exponent[k] = min(own[i] / (stiffness[i] * wanted[i]), 1.0)
-        share[k] = force[i] / own[i]
-        load += own[i]
-        total += stiffness[i]
-        square += lack * right[k]
-    return load, math.sqrt(total * square)
-
-
-@compiled()
-def balance(stiffness, error):
-    """Mean of the errors, weighted by stiffness."""
-    total = 0.0
-    moment = 0.0
-    for i in range(error.size):
-        total += stiffness[i]
-        moment += stiffness[i] * error[i]
-    return moment / total if total > 0.0 else 0.0
-
-
-@compiled(fastmath=QUOTIENTS)
-def imbalance(
-    height,
-    separation,
-    balanced,
-    gain,
-    moved,
-    longer,
-    value,
-    growth,
-    slope,
-    approach,
-    force,
-    stiffness,
-    gap,
-    wanted,
-    error,
-    active,
-    closing,
-):
-    """Fill z - s, z - s - u, what it exceeds the approach by, and whether that is positive.
-
-    Returns the rise of the plane, zero unless `balanced`, after which the errors times stiffness
-    cancel, their sum without signs, the load, and the number of open contacts that
-    want to close, which are listed in `closing`.
-    """
-    total = 0.0
-    moment = 0.0
-    load = 0.0
-    for i in range(height.size):
-        gap[i] = height[i] - separation + gain[i] - moved[i] - longer[i]
-        wanted[i] = gap[i] - value[i] - growth[i] * slope[i]
-        error[i] = wanted[i] - approach[i]
-        active[i] = approach[i] > 0.0
-        total += stiffness[i]
-        moment += stiffness[i] * error[i]
-        load += force[i]
-    rise = moment / total if balanced and total > 0.0 else 0.0
-    wrong = 0.0
-    fresh = 0
-    for i in range(height.size):
-        gap[i] -= rise
-        wanted[i] -= rise
-        error[i] -= rise
-        wrong += stiffness[i] * abs(error[i])
-        closing[fresh] = i
-        fresh += (wanted[i] > 0.0) & (not active[i])
-    return rise, wrong, load, fresh
-
-
-@compiled()
-def energy_change(gap, error, force, approach, value, work, force1, approach1, value1, work1):
-    """Change of energy from one point to another (1) at one gap, minus the work of the errors along
-    it, and the size of the energies."""
-    change = 0.0
-    slope = 0.0
-    scale = 0.0
-    for i in range(gap.size):
-        before = force[i] * (approach[i] + 0.5 * value[i] - gap[i]) - work[i]
-        after = force1[i] * (approach1[i] + 0.5 * value1[i] - gap[i]) - work1[i]
-        change += after - before
-        scale += abs(before)
-        slope -= error[i] * (force1[i] - force[i])
-    return change, slope, scale
 
 
 @compiled()

@@ -42,7 +42,10 @@ class Problem:
 
     @property
     def radii(self) -> NDArray[np.float64]:
-        """Radii of curvature over those of round contacts, shape (n, 3)."""
+        """Radii of curvature over those of round contacts, shape (n, 3); zero for contacts that do
+        not move aside."""
+        if not self.contact_shift:
+            return np.zeros((len(self.height), 3))
         return self.plan.round if self.elongation is None else self.elongation.radii
 
 
@@ -88,10 +91,6 @@ class State:
         laws = problem.laws(approach)
         self.problem, self.laws = problem, laws
         self.approach = np.where(laws.force > 0, approach, 0.0)
-        if not problem.contact_shift:
-            self.field = problem.plan.field(laws.force, laws.moment)
-            self.gain, self.shift, self.next_shift = np.zeros(len(approach)), tilt, tilt
-            return
         body, radii = problem.plan.footprints, problem.radii
         _, self.shift, moment = contact_shifts(body, laws, self.approach, tilt, radii)
         self.field = problem.plan.field(laws.force, laws.moment, laws.growth, moment, problem.form)
@@ -108,8 +107,6 @@ class State:
     def lag(self) -> float:
         """Share of the load that the difference between `shift` and `next_shift` can make: that
         of the moments' work, times the weight of all contact shifts."""
-        if self.next_shift is self.shift:
-            return 0.0
         return float(
             _newton_kernels.lag(
                 self.laws.force,
@@ -128,31 +125,18 @@ class State:
         If `balanced` it is moved first to where the errors of the closed contacts, times stiffness,
         cancel.
         """
-        law, field, n = self.laws, self.field, len(self.approach)
-        self.gap, self.wanted, self.error = np.empty((3, n))
-        self.active = np.empty(n, bool)
-        closing = np.empty(n, np.int64)
-        rise, error, load, count = _newton_kernels.imbalance(
-            self.problem.height,
-            separation,
-            balanced,
-            self.gain,
-            field.moved,
-            field.longer,
-            field.value,
-            law.growth,
-            field.slope,
-            self.approach,
-            law.force,
-            law.stiffness,
-            self.gap,
-            self.wanted,
-            self.error,
-            self.active,
-            closing,
-        )
+        law, field = self.laws, self.field
+        gap = self.problem.height - separation + self.gain - field.moved - field.longer
+        wanted = gap - field.value - law.growth * field.slope
+        error = wanted - self.approach
+        total = float(law.stiffness.sum()) if balanced else 0.0
+        rise = float(np.sum(law.stiffness * error)) / total if total > 0.0 else 0.0
+        self.gap, self.wanted, self.error = gap - rise, wanted - rise, error - rise
         self.separation = separation + rise
-        self.closing, self.sums = closing[:count], (error, load)
+        self.active = self.approach > 0.0
+        self.closing = np.flatnonzero((self.wanted > 0.0) & ~self.active)
+        wrong = float(np.sum(law.stiffness * np.abs(self.error)))
+        self.sums = wrong, float(law.force.sum())
 
     def linearize(self) -> None:
         """Take the tangent data of the active contacts, whose laws are made by now.
@@ -192,18 +176,10 @@ class State:
     def energy_change(self, other: State) -> tuple[float, float, float]:
         """From this point to another: change of energy [J] at the gaps that are held, the change
         that the errors here predict, and the size of the energies."""
-        change, slope, scale = _newton_kernels.energy_change(
-            self.gap,
-            self.error,
-            *(
-                part
-                for state in (self, other)
-                for part in (
-                    state.laws.force,
-                    state.approach,
-                    state.field.value,
-                    state.laws.energy,
-                )
-            ),
+        before, after = (
+            state.laws.force * (state.approach + 0.5 * state.field.value - self.gap)
+            - state.laws.energy
+            for state in (self, other)
         )
-        return change, slope, scale
+        slope = -np.sum(self.error * (other.laws.force - self.laws.force))
+        return float(np.sum(after - before)), float(slope), float(np.sum(np.abs(before)))

@@ -135,9 +135,9 @@ class Step:
         self.tangent.stiffen(own - 1 / self.stiffness)
         constant, start = 0.0, None
         if load is not None and closed.any():
-            constant = float(_newton_kernels.balance(found.stiffness, error))
-            missing = load - float(found.force.sum())
-            start = missing / float(found.stiffness.sum()) * found.stiffness
+            total = float(found.stiffness.sum())
+            constant = float(np.sum(found.stiffness * error)) / total
+            start = (load - float(found.force.sum())) / total * found.stiffness
         error -= constant
         solved = conjugate_gradients(
             self.tangent,
@@ -176,13 +176,14 @@ def corrected_prediction(
     closed = law.force > 0
     tangent = Tangent(problem.plan, closed, law.stiffness, None, problem.form)
     rows = tangent.index
-    right, exponent, share = np.empty((3, len(rows)))
-    known = law.force, law.stiffness, wanted, force
+    own, stiffness, force = law.force[rows], law.stiffness[rows], force[rows]
+    lack = own - force
     # the residual, sum |r| k, is at most the root of sum k r^2 times sum k
-    load, most = _newton_kernels.mismatch(rows, *known, right, exponent, share)
-    enough = tolerance * load / most if most > 0 else 1.0
-    solved = conjugate_gradients(tangent, right, tolerance=min(max(FORCING, enough), 1.0))
-    share += solved.solution / law.force.take(rows)
+    most = math.sqrt(float(stiffness.sum()) * float(np.sum(lack * lack / stiffness)))
+    enough = tolerance * float(own.sum()) / most if most > 0 else 1.0
+    enough = min(max(FORCING, enough), 1.0)
+    solved = conjugate_gradients(tangent, lack / stiffness, tolerance=enough)
+    share = np.maximum((force + solved.solution) / own, 0.0)
     approach = np.maximum(wanted, 0.0)
-    approach[rows] *= np.maximum(share, 0.0) ** exponent
+    approach[rows] *= share ** np.minimum(own / (stiffness * wanted[rows]), 1.0)
     return approach, solved.products

@@ -145,10 +145,6 @@ def test_sums_and_selected_points(cap):
         displacement.max(),
     )
     assert sums == pytest.approx(expected, rel=1e-13)
-    bounded = np.maximum(gap[held], 0.1).sum()
-    assert _grid_kernels.held_gap(pressure, displacement, heights, cap, 0.1) == pytest.approx(
-        bounded
-    )
     np.testing.assert_array_equal(
         low[:, 0], np.where(touching.any(axis=1), -np.inf, gap.min(axis=1))
     )
