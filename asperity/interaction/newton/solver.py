@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from dataclasses import replace
 
 import numpy as np
@@ -68,15 +69,18 @@ def descent(
     tilt: Array | None = None,
     load: float | None = None,
     compliance: Array | None = None,
-) -> Solution:
-    """Minimize the energy over non-negative forces; laws that are lacking are made.
+) -> Generator[NDArray[np.int64], None, Solution]:
+    """Minimize the energy over non-negative forces.
 
-    It starts from approaches [m], shape (n,), and from the gradients [-] `tilt` of the contact
-    shifts, shape (n, 2), none if None. At a separation s [m] the tolerance bounds
-    `Solution.residual`; if the sum of the forces is to reach a `load` [N], positive, the separation
-    is a first guess, and half of the tolerance bounds the relative error of the load. `compliance`
-    is how much of a small fall of the plane each contact takes up as approach [-], shape (n,), the
-    first guess of how a missing load is shared; all of it if None.
+    Yields the contacts whose laws it lacks, which are to be made before it goes on, and returns the
+    solution.
+
+    It starts from approaches [m], shape (n,), whose laws are made where they are positive, and from
+    the gradients [-] `tilt` of the contact shifts, shape (n, 2), none if None. At a separation s
+    [m] the tolerance bounds `Solution.residual`; if the sum of the forces is to reach a `load` [N],
+    positive, the separation is a first guess, and half of the tolerance bounds the relative error
+    of the load. `compliance` is how much of a small fall of the plane each contact takes up as
+    approach [-], shape (n,), the first guess of how a missing load is shared; all of it if None.
 
     Notes
     -----
@@ -95,7 +99,9 @@ def descent(
     if compliance is None:
         compliance = np.ones(len(start))
     # what the steps held is gone before the last one
-    solution = _newton_steps(problem, separation, start, tilt, load, compliance, tolerance)
+    solution = yield from _newton_steps(
+        problem, separation, start, tilt, load, compliance, tolerance
+    )
     if load is None or solution.reason:
         return solution
     assert solution.linearized is not None
@@ -114,9 +120,8 @@ def _newton_steps(
     load: float | None,
     compliance: Array,
     tolerance: float,
-) -> Solution:
+) -> Generator[NDArray[np.int64], None, Solution]:
     """`descent` up to its last step."""
-    problem.laws.make(start > 0)
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
@@ -124,7 +129,9 @@ def _newton_steps(
     last = np.zeros(len(start))
     for step in range(limit + 1):
         state.balance(separation, load is not None)
-        problem.laws.make(problem.laws.lacking(state.wanted))
+        lacking = problem.laws.lacking(state.wanted)
+        if lacking.size:
+            yield lacking
         state.linearize()
         separation = state.separation
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
