@@ -13,8 +13,10 @@ from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
 from ._stencil_kernels import tile as stencil_of_tile
 
 _KEPT = 32
+_DENSE = 4
 COARSENING = 4
 TAPS = 4
+_FOUR = np.uint64(COARSENING)
 Single = NDArray[np.float32]
 Index = NDArray[np.int64]
 
@@ -95,6 +97,53 @@ def near_tiles(
 
 
 @compiled(fastmath=SUMS)
+def _spread_row(
+    columns: NDArray[np.int32],
+    values: Single,
+    first_x: Index,
+    weight_x: Single,
+    whole: bool,
+    dense: Single,
+    wide: Single,
+    row: Single,
+) -> None:
+    """Spread the points of one row along x; `dense` and `wide` are scratch."""
+    nxc = row.size
+    if whole and columns.size * _DENSE > nxc:
+        width = nxc + 2 * TAPS
+        dense[:] = np.float32(0.0)
+        for k in range(columns.size):
+            place = np.uint64(columns[k])
+            place = (place % _FOUR) * np.uint64(width) + place // _FOUR + np.uint64(TAPS)
+            dense[place] = values[k]
+        wide[:] = np.float32(0.0)
+        for phase in range(COARSENING):
+            a, b = weight_x[phase, 0], weight_x[phase, 1]
+            c, d = weight_x[phase, 2], weight_x[phase, 3]
+            own = dense[phase * width :]
+            for x in range(nxc + TAPS):
+                wide[x] += a * own[x + 4] + b * own[x + 3] + c * own[x + 2] + d * own[x + 1]
+        shift = first_x[0]
+        for x in range(nxc - shift):
+            row[shift + x] = wide[x]
+        for x in range(shift):
+            row[x] = wide[nxc - shift + x]
+        for x in range(TAPS):
+            row[(nxc + x + shift) % nxc] += wide[nxc + x]
+        return
+    row[:] = np.float32(0.0)
+    for k in range(columns.size):
+        x = columns[k]
+        first, value = first_x[x], values[k]
+        if first + TAPS <= nxc:
+            for t in range(TAPS):
+                row[first + t] += weight_x[x, t] * value
+        else:
+            for t in range(TAPS):
+                row[(first + t) % nxc] += weight_x[x, t] * value
+
+
+@compiled(fastmath=SUMS)
 def spread(
     rows: tuple[int, int],
     start: Index,
@@ -104,34 +153,34 @@ def spread(
     weight_x: Single,
     rows_of: Index,
     weight_of: Single,
+    whole: bool,
     coarse: Single,
 ) -> None:
     """Spread the listed values on rows of the coarse grid by B-splines, along x, then along y.
 
     `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse row, filled up with weights of
-    zero. A row that is spread along x is kept while coarse rows that follow want it.
+    zero. `whole` says that there are just 4 fine columns to a coarse one: then the weights repeat,
+    and a row with many points is spread phase by phase. A row is kept while coarse rows that follow
+    want it.
     """
     nxc = coarse.shape[1]
-    kept = np.empty((_KEPT, nxc + TAPS), np.float32)
+    dense = np.empty(COARSENING * (nxc + 2 * TAPS), np.float32)
+    wide = np.empty(nxc + TAPS, np.float32)
+    kept = np.empty((_KEPT, nxc), np.float32)
     place = np.full(_KEPT, -1)
     for y in range(rows[0], rows[1]):
         target = coarse[y]
         target[:] = np.float32(0.0)
         for k in range(rows_of.shape[1]):
             source, weight = rows_of[y, k], weight_of[y, k]
-            if weight == 0.0 or start[source + 1] == start[source]:
+            first, last = start[source], start[source + 1]
+            if weight == 0.0 or last == first:
                 continue
             row = kept[source % _KEPT]
             if place[source % _KEPT] != source:
                 place[source % _KEPT] = source
-                row[:] = np.float32(0.0)
-                for i in range(start[source], start[source + 1]):
-                    x, value = np.uint64(columns[i]), values[i]
-                    first = np.uint64(first_x[x])
-                    for t in range(np.uint64(TAPS)):
-                        row[first + t] += weight_x[x, t] * value
-                for t in range(TAPS):
-                    row[t] += row[nxc + t]
+                own, held = columns[first:last], values[first:last]
+                _spread_row(own, held, first_x, weight_x, whole, dense, wide, row)
             for x in range(nxc):
                 target[x] += weight * row[x]
 
@@ -147,14 +196,20 @@ def gather(
     first_x: Index,
     weight_x: Single,
     nxc: int,
+    whole: bool,
     result: Single,
 ) -> None:
     """Add the coarse field (nyc, nxc), interpolated by B-splines, to the result at the points of
-    some rows. `coarse` may be wider."""
+    some rows.
+
+    `coarse` may be wider; `whole` as in `spread`.
+    """
     nyc = coarse.shape[0]
-    row = np.empty(nxc + TAPS, np.float32)
+    dense = np.empty(COARSENING * nxc, np.float32)
+    wide, row = np.empty(nxc + TAPS, np.float32), np.empty(nxc, np.float32)
     for y in range(rows[0], rows[1]):
-        if start[y + 1] == start[y]:
+        n = start[y + 1] - start[y]
+        if n == 0:
             continue
         first = first_y[y]
         a, b, c, d = weight_y[y, 0], weight_y[y, 1], weight_y[y, 2], weight_y[y, 3]
@@ -162,12 +217,32 @@ def gather(
         c2, c3 = coarse[(first + 2) % nyc], coarse[(first + 3) % nyc]
         for x in range(nxc):
             row[x] = a * c0[x] + b * c1[x] + c * c2[x] + d * c3[x]
-        for t in range(TAPS):
-            row[nxc + t] = row[t]
+        if whole and n * _DENSE > nxc:
+            shift = first_x[0]
+            for x in range(nxc - shift):
+                wide[x] = row[shift + x]
+            for x in range(shift):
+                wide[nxc - shift + x] = row[x]
+            for x in range(TAPS):
+                wide[nxc + x] = wide[x]
+            for phase in range(COARSENING):
+                a, b = weight_x[phase, 0], weight_x[phase, 1]
+                c, d = weight_x[phase, 2], weight_x[phase, 3]
+                own = dense[phase * nxc :]
+                for x in range(nxc):
+                    own[x] = a * wide[x] + b * wide[x + 1] + c * wide[x + 2] + d * wide[x + 3]
+            for k in range(start[y], start[y + 1]):
+                place = np.uint64(columns[k])
+                result[k] += dense[(place % _FOUR) * np.uint64(nxc) + place // _FOUR]
+            continue
         for k in range(start[y], start[y + 1]):
-            x = np.uint64(columns[k])
-            first = np.uint64(first_x[x])
+            x = columns[k]
+            first = first_x[x]
             total = np.float32(0.0)
-            for t in range(np.uint64(TAPS)):
-                total += weight_x[x, t] * row[first + t]
+            if first + TAPS <= nxc:
+                for t in range(TAPS):
+                    total += weight_x[x, t] * row[first + t]
+            else:
+                for t in range(TAPS):
+                    total += weight_x[x, t] * row[(first + t) % nxc]
             result[k] += total

@@ -53,6 +53,7 @@ class SplitOperator:
         )
         self._first_y, self._weight_y = _taps(ny, exact.padded[0], nyc)
         self._first_x, self._weight_x = _taps(nx, exact.padded[1], nxc)
+        self._whole = exact.padded[1] == COARSENING * nxc
         self._rows_of, self._weight_of = _transposed(self._first_y, self._weight_y, nyc)
         self._symbol = _remainder(exact, stencil, (nyc, nxc))
 
@@ -93,6 +94,7 @@ class SplitOperator:
             self._weight_x,
             self._rows_of,
             self._weight_of,
+            self._whole,
             coarse.values,
         )
         coarse.apply(self._symbol)
@@ -107,6 +109,7 @@ class SplitOperator:
             self._first_x,
             self._weight_x,
             coarse.values.shape[1],
+            self._whole,
             result,
         )
         return result
