@@ -199,7 +199,7 @@ def tabulate(
             [np.zeros((_BLOCK, -(-width // LANES) * LANES)) for width in widths],
             frame_space(rays, profiles.t.size, fitting),
             march_space(rays),
-            table_space(rays, profiles.t.size, u.size, nodes),
+            table_space(rays, profiles.t.size, u.size),
         )
 
     def part(begin: int, end: int) -> None:
