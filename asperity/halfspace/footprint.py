@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import gamma, gammainc, hyp1f1, rgamma
+from scipy.special import gamma, gammainc, hyp1f1
 
 __all__ = ["FLOOR", "Footprints", "at_origin", "pair_table", "smooth_polynomials"]
 
@@ -109,27 +109,15 @@ def _pair_shape(m: float, w: NDArray[np.float64]) -> tuple[NDArray[np.float64], 
     wide = np.maximum(w, 1e-300)
     z = (1 - w) / (2 * wide)
     grown = np.where(w > 0, scale * (wide / 2) ** (-a), 1.0)
-    value = grown * _kummer(a, 1.0, z)
-    slope = -a * grown / wide * _kummer(a + 1, 1.0, z)
-    pull = -a * grown / wide * _kummer(a + 1, 2.0, z)
+    value = grown * hyp1f1(a, 1.0, -z)
+    slope = -a * grown / wide * hyp1f1(a + 1, 1.0, -z)
+    pull = -a * grown / wide * hyp1f1(a + 1, 2.0, -z)
     # expansion in w for points: the products above lose their meaning at w = 0
     small = w < 1e-8
     limits = (1.0, 2 * a * a, -2 * a)
     return tuple(
         np.where(small, limit, v) for limit, v in zip(limits, (value, slope, pull), strict=True)
     )
-
-
-def _kummer(a: float, b: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """1F1(a; b; -z), z >= 0, b = 1 or 2."""
-    far = z > 40.0
-    x = np.where(far, z, 50.0)
-    term, total = np.ones_like(x), np.ones_like(x)
-    for k in range(16):
-        term = term * (a + k) * (a - b + 1 + k) / ((k + 1) * x)
-        total = total + term
-    asymptotic = x ** (-a) * rgamma(b - a) * total
-    return np.asarray(np.where(far, asymptotic, hyp1f1(a, b, -np.where(far, 1.0, z))))
 
 
 @functools.lru_cache(maxsize=16)

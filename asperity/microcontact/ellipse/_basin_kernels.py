@@ -27,7 +27,6 @@ from surfaces.numerics.lanes import (
 from surfaces.numerics.vectors import entries, root, some, where, whole
 
 from ._contour_kernels import NODES, place
-from ._ellipse_kernels import STATES
 
 CELLS = 24
 """Cells of a ray between which the root of its edge operator is linear."""
@@ -150,16 +149,15 @@ def _operator(q, first, nodes, weights, unit, out):
 
 @inner(fastmath=QUOTIENTS)
 def fill(
-    q, nodes, weights, weight, direction, edge, rays, scale, shape, state, last, levels, m, punch,
-    out, space,
+    q, nodes, weights, weight, direction, edge, rays, scale, shape, last, levels, m, punch, out,
+    space,
 ):  # fmt: skip
     """Area, stiffness and centre (levels, 4) of planforms from the levels `last` on.
 
     On every ray the edge operator grows with the approach from its value at the contour `shape`,
     the last trusted one, up to its next crossing of that value, and the ray stops at the edge. The
     root of the operator is linear between equispaced fractions of the ray. `scale` is the unit of
-    q. Without a trusted contour (last = -1) the operator of every ray is the approach. Below `last`
-    only the centres are given.
+    q. Without a trusted contour (last = -1) the operator of every ray is the approach.
     """
     square, rising, radius = space
     begin = most(last, splat(0.0))
@@ -195,16 +193,8 @@ def fill(
             reached = where(below >= CELLS, length, most(r, length * x))
             r = where(begin < 1.0 * level, reached, r)
             store(radius, level * rays + p, r)
-    for level in range(earliest):
-        for k in range(2):
-            store(out, 4 * level + k, splat(0.0))
     for level in range(earliest, levels.size):
         _planform(
             radius[level * rays * LANES :], weight, direction, rays, m, punch, out,
             4 * level,
         )  # fmt: skip
-    for level in range(levels.size):
-        inside = begin > 1.0 * level
-        for k in range(2, 4):
-            centre = load(state, level * STATES + 5 + k)
-            store(out, 4 * level + k, where(inside, centre, load(out, 4 * level + k)))

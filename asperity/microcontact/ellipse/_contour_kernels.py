@@ -26,7 +26,7 @@ from surfaces.numerics.lanes import (
 from surfaces.numerics.vectors import absolute, root, where, whole
 
 from ._fit_kernels import TERMS
-from .ellipse_operator import DEGREE
+from .ellipse_operator import DEGREE, parity_of
 
 NODES = DEGREE + 1
 MODES = DEGREE // 2 + 1
@@ -56,9 +56,7 @@ _EVEN[0] *= 0.5
 _BOTH = np.sin(np.outer(2 * np.arange(MODES - 1) + 2, _T)) * _SHARE * 2
 _ALONG = np.cos(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
 _ACROSS = np.sin(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
-_CLASS = np.array(
-    [(0, 2, 3, 1)[(k - j) % 2 + 2 * (j % 2)] for k in range(DEGREE + 1) for j in range(k + 1)]
-)
+_CLASS = parity_of(DEGREE)
 _MEMBERS = np.concatenate([np.flatnonzero(_CLASS == c) for c in range(4)])
 _BEGIN = np.searchsorted(np.sort(_CLASS), np.arange(5))
 

@@ -1,8 +1,8 @@
 """Compiled loops that make rows of a law table from profiles followed about their ellipses.
 
-Units inside: one length and one height per profile, modulus 1. Arrays are groups of eight numbers,
-one per profile (`surfaces.numerics.lanes`): first the force at every level, then the stiffness, the
-area and two of working space.
+Units inside: one length and one height per profile, modulus 1. The columns of a profile over the
+levels are force, stiffness and area, and two of working space. Planforms on rays are found for
+eight profiles at once (`surfaces.numerics.lanes`), the rest one by one.
 """
 
 from __future__ import annotations
@@ -13,22 +13,7 @@ from typing import Any
 import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.lanes import (
-    LANES,
-    between,
-    exponential,
-    groups,
-    least,
-    load,
-    logarithm,
-    most,
-    ordered,
-    pick,
-    splat,
-    spread_rows,
-    store,
-)
-from surfaces.numerics.vectors import absolute, entries, where
+from surfaces.numerics.lanes import LANES, groups, load, ordered, spread_rows
 
 from ._basin_kernels import basin_space, fill
 from ._ellipse_kernels import SHAPE_ROW, STATES
@@ -36,31 +21,22 @@ from ._ellipse_kernels import SHAPE_ROW, STATES
 WIDTH = 5
 """Levels from which a slope is taken at most."""
 
-MADE = 7
-"""Columns of a row: force, stiffness, area, flags, spread and the centre."""
-
-_BEYOND, _FILLED = 64.0, 128.0
+_BEYOND, _FILLED = 64, 128
 _UNTRUSTED = 0.05
 """Spread beyond the trusted levels."""
 
 
-def row_space(levels: int, nodes: int) -> tuple[Any, ...]:
-    """Groups of the columns over the levels, and of the finished rows."""
-    return groups(5 * levels), groups(MADE * nodes)
-
-
 @inner(fastmath=QUOTIENTS)
-def _second_order_area(state, level, stiffness):
+def _second_order_area(state, stiffness):
     """Contact area whose contour has the stiffness dF/dd to second order.
 
     The unknown second-order displacement is taken uniform along the contour; the result stays
     between the ellipse and the first-order contour.
     """
-    o = level * STATES
-    ellipse, contour = load(state, o + 3), load(state, o + 4)
-    uniform = (stiffness - load(state, o + 1)) / most(load(state, o + 2), splat(1e-12))
-    area = contour + between(uniform, splat(-0.3), splat(0.3)) * load(state, o + 5)
-    return between(area, least(ellipse, contour), most(ellipse, contour))
+    ellipse, contour = state[3], state[4]
+    uniform = (stiffness - state[1]) / max(state[2], 1e-12)
+    area = contour + min(max(uniform, -0.3), 0.3) * state[5]
+    return min(max(area, min(ellipse, contour)), max(ellipse, contour))
 
 
 @inner(fastmath=QUOTIENTS)
@@ -70,88 +46,55 @@ def expanded_levels(state, first, last, levels, powers, stencils, p, columns):
     `powers` are levels**p, `stencils[width - 1, start, level - start]` the weights of the slope
     at a level from `width` levels.
     """
-    count = levels.size
-    flat = stencils.ravel()
-    for i in range(count):
-        inside = (first <= 1.0 * i) & (last >= 1.0 * i)
-        force = where(inside, load(state, i * STATES), 0.0)
-        store(columns, i, force)
-        store(columns, 3 * count + i, force * (1 / powers[i]))
-    for i in range(count):
-        inside = (first <= 1.0 * i) & (last >= 1.0 * i)
-        width = least(where(last > 1.0 * i, splat(1.0 * WIDTH), 2.0), last - first + 1.0)
-        half = where(width > 3.0, splat(2.0), 1.0)
-        start = least(most(i - half, first), last - width + 1.0)
-        start = between(start, splat(0.0), splat(count - 1.0))
-        row = between((width - 1.0) * count + start, splat(0.0), splat(WIDTH * count - 1.0))
-        row = (row * WIDTH + between(i - start, splat(0.0), splat(WIDTH - 1.0))) * WIDTH
-        slope = splat(0.0)
-        for k in range(WIDTH):
-            scaled = pick(columns, 3 * count + least(start + k, splat(count - 1.0)))
-            slope += entries(flat, row + k) * scaled
-        u = levels[i]
-        slope = p * load(columns, 3 * count + i) + u * slope
-        stiffness = (0.5 * powers[i] / (u * u)) * slope
-        store(columns, count + i, where(inside, stiffness, 0.0))
-        area = _second_order_area(state, i, stiffness)
-        store(columns, 2 * count + i, where(inside, area, 0.0))
-    begin = most(first, splat(0.0))
-    scaled, area = pick(columns, 3 * count + begin), pick(columns, 2 * count + begin)
-    unit = 1.0 / entries(levels, begin)
-    for i in range(count):
-        below, u = first > 1.0 * i, levels[i]
-        force = scaled * powers[i]
-        share = u * unit
-        store(columns, i, where(below, force, load(columns, i)))
-        stiffness = force * (0.5 * p / (u * u))
-        store(columns, count + i, where(below, stiffness, load(columns, count + i)))
-        spot = area * share * share
-        store(columns, 2 * count + i, where(below, spot, load(columns, 2 * count + i)))
-
-
-@inner(fastmath=QUOTIENTS)
-def _log_ratio(inner, outer):
-    """Log ratio of the two descriptions where they meet, kept to what a mended summit can need."""
-    both = (inner > 0.0) & (outer > 0.0)
-    ratio = between(where(both, inner, 1.0) / where(both, outer, 1.0), splat(0.5), splat(2.0))
-    return logarithm(ratio)
+    force, stiffness, area, scaled, _ = columns
+    for i in range(first, last + 1):
+        force[i] = state[i, 0]
+        scaled[i] = force[i] / powers[i]
+    for i in range(first, last + 1):
+        width = min(WIDTH if i < last else 2, last - first + 1)
+        start = min(max(i - (2 if width > 3 else 1), first), last - width + 1)
+        slope, u = 0.0, levels[i]
+        for k in range(width):
+            slope += stencils[width - 1, start, i - start, k] * scaled[start + k]
+        stiffness[i] = 0.5 * powers[i] / (u * u) * (p * scaled[i] + u * slope)
+        area[i] = _second_order_area(state[i], stiffness[i])
+    for i in range(first):
+        force[i] = scaled[first] * powers[i]
+        stiffness[i] = force[i] * (0.5 * p / levels[i] ** 2)
+        area[i] = area[first] * (levels[i] / levels[first]) ** 2
 
 
 @inner(fastmath=QUOTIENTS)
 def carried_on(filling, last, levels, basin, p, columns):
-    """Force, stiffness and area beyond the levels `last`: planforms on rays.
+    """Force, stiffness and area beyond the level `last`: planforms on rays.
 
-    The ratio of the areas of the two descriptions at the last trusted level fades as the basin
-    fills; the stiffness is that of the planforms at once, and the force its integral. Without a
-    trusted level (-1) the planforms stand alone, from a paraboloid.
+    The ratio of the areas of the two descriptions at the last trusted level, kept to what a mended
+    summit can need, fades as the basin fills; the stiffness is that of the planforms at once, and
+    the force its integral. Without a trusted level (-1) the planforms stand alone, from a
+    paraboloid.
     """
-    count = levels.size
-    known = last >= 0.0
-    begin = most(last, splat(0.0))
-    at = pick(filling, 4.0 * begin)
-    spread = where(known, _log_ratio(pick(columns, 2 * count + begin), at), 0.0)
-    room = where(known, most(basin - at, 1e-9 * basin), 1.0)
-    stiffness = where(known, load(columns, count), load(filling, 1))
-    area = where(known, load(columns, 2 * count), load(filling, 0))
-    force = where(known, load(columns, 0), stiffness * (2 / p * levels[0] ** 2))
-    store(columns, 0, force)
-    store(columns, count, stiffness)
-    store(columns, 2 * count, area)
-    for i in range(1, count):
-        beyond = begin < 1.0 * i
-        full, punch = load(filling, 4 * i), load(filling, 4 * i + 1)
-        fade = between((basin - full) / room, splat(0.0), splat(1.0))
-        spot = full * exponential(spread * fade)
-        before = stiffness
-        stiffness = most(where(beyond, punch, load(columns, count + i)), stiffness)
-        area = most(least(where(beyond, spot, load(columns, 2 * count + i)), basin), area)
-        low, high = levels[i - 1], levels[i]
-        # stiffness linear in the level u over d = u*u
-        work = before * (2 * low + high) + stiffness * (low + 2 * high)
-        force = where(beyond, force + work * ((high - low) / 3), load(columns, i))
-        store(columns, i, force)
-        store(columns, count + i, stiffness)
-        store(columns, 2 * count + i, area)
+    force, stiffness, area, _, _ = columns
+    spread, room = 0.0, 1.0
+    if last < 0:
+        area[0], stiffness[0] = filling[0, 0], filling[0, 1]
+        force[0] = stiffness[0] * (2 / p * levels[0] ** 2)
+    else:
+        full = filling[last, 0]
+        room = max(basin - full, 1e-9 * basin)
+        if area[last] > 0.0 and full > 0.0:
+            spread = math.log(min(max(area[last] / full, 0.5), 2.0))
+    for i in range(1, levels.size):
+        if i > last:
+            full = filling[i, 0]
+            fade = min(max((basin - full) / room, 0.0), 1.0)
+            stiffness[i], area[i] = filling[i, 1], full * math.exp(spread * fade)
+        stiffness[i] = max(stiffness[i], stiffness[i - 1])
+        area[i] = max(min(area[i], basin), area[i - 1])
+        if i > last:
+            low, high = levels[i - 1], levels[i]
+            # stiffness linear in the level u over d = u*u
+            work = stiffness[i - 1] * (2 * low + high) + stiffness[i] * (low + 2 * high)
+            force[i] = force[i - 1] + work * ((high - low) / 3)
 
 
 @compiled(fastmath=QUOTIENTS)
@@ -159,110 +102,78 @@ def resampled(columns, levels, powers, resampling, p, made):
     """Force, stiffness and area at u = nodes: Hermite of force / u**p, convex over u * u.
 
     Node j lies between the levels place[j] and place[j] + 1; `hermite[j]` holds the weights of
-    values and slopes in the value, the same in the slope, and the share of the upper level.
+    values and slopes in the value, the same in the slope, and the share of the upper level. The
+    last row of `made` (4, nodes) is working space.
     """
     nodes, node_powers, place, hermite = resampling
-    count, size = levels.size, nodes.size
-    for i in range(count):
+    force, stiffness, area, scaled, slope = columns
+    for i in range(levels.size):
         u = levels[i]
-        scaled = load(columns, i) * (1 / powers[i])
-        store(columns, 3 * count + i, scaled)
-        slope = load(columns, count + i) * (2 * u / powers[i]) - scaled * (p / u)
-        store(columns, 4 * count + i, slope)
-    force_before, upper, widest, before = splat(0.0), splat(-1e300), splat(0.0), 0.0
-    for j in range(size):
+        scaled[i] = force[i] / powers[i]
+        slope[i] = stiffness[i] * (2 * u / powers[i]) - scaled[i] * (p / u)
+    value, square, widest, upper, secants = 0.0, 0.0, 0.0, -1e300, made[3]
+    for j in range(nodes.size):
         i, h, u = place[j], hermite[j], nodes[j]
-        s0, s1 = load(columns, 3 * count + i), load(columns, 3 * count + i + 1)
-        g0, g1 = load(columns, 4 * count + i), load(columns, 4 * count + i + 1)
+        s0, s1, g0, g1 = scaled[i], scaled[i + 1], slope[i], slope[i + 1]
         s = h[0] * s0 + h[1] * g0 + h[2] * s1 + h[3] * g1
         g = h[4] * s0 + h[5] * g0 + h[6] * s1 + h[7] * g1
-        value = s * node_powers[j]
-        store(made, size + j, (p * s + u * g) * (0.5 * node_powers[j] / (u * u)))
-        next_area = load(columns, 2 * count + i + 1)
-        spot = load(columns, 2 * count + i) * ((1 - h[8]) / levels[i] ** 2)
-        spot += next_area * (h[8] / levels[i + 1] ** 2)
-        widest = most(least(spot * (u * u), next_area), widest)
-        store(made, 2 * size + j, widest)
-        secant = (value - force_before) * (1 / (u * u - before))
-        upper = most(secant, upper)
-        store(made, j, upper)
-        # the secants wait where the flags will be
-        store(made, 3 * size + j, secant)
-        before, force_before = u * u, value
+        before, value = value, s * node_powers[j]
+        made[1, j] = (p * s + u * g) * (0.5 * node_powers[j] / (u * u))
+        spot = area[i] * ((1 - h[8]) / levels[i] ** 2) + area[i + 1] * (h[8] / levels[i + 1] ** 2)
+        widest = max(min(spot * (u * u), area[i + 1]), widest)
+        made[2, j] = widest
+        below, square = square, u * u
+        secants[j] = (value - before) / (square - below)
+        upper = max(secants[j], upper)
+        made[0, j] = upper
     # secants that fall are replaced by the mean of their rising envelopes
-    lower = splat(1e300)
-    for j in range(size - 1, -1, -1):
-        lower = least(load(made, 3 * size + j), lower)
-        store(made, 3 * size + j, 0.5 * (load(made, j) + lower))
-    before, total = 0.0, splat(0.0)
-    for j in range(size):
-        square = nodes[j] * nodes[j]
-        secant = load(made, 3 * size + j)
-        total += secant * (square - before)
-        store(made, j, total)
-        stiffness = most(load(made, size + j), secant)
-        if j + 1 < size:
-            stiffness = least(stiffness, load(made, 3 * size + j + 1))
-        store(made, size + j, stiffness)
-        before = square
-
-
-@inner(fastmath=QUOTIENTS)
-def marked(state, filling, first, last, basin, resampling, made):
-    """Flags, spread and centre of the rows."""
-    nodes, _, place, hermite = resampling
-    size = nodes.size
-    for j in range(size):
-        i, share = place[j], hermite[j, 8]
-        low = (first <= 1.0 * i) & (last >= 1.0 * i)
-        high = (first <= 1.0 * (i + 1)) & (last >= 1.0 * (i + 1))
-        beyond = splat(0.0)
-        if share <= 0.999:
-            beyond = where(low, beyond, _BEYOND)
-        if share >= 0.001:
-            beyond = where(high, beyond, _BEYOND)
-        filled = where(load(made, 2 * size + j) > 0.999 * basin, splat(_FILLED), 0.0)
-        store(made, 3 * size + j, beyond + filled)
-        below = where(low, absolute(load(state, i * STATES + 6)), _UNTRUSTED)
-        above = where(high, absolute(load(state, (i + 1) * STATES + 6)), _UNTRUSTED)
-        store(made, 4 * size + j, (1 - share) * below + share * above)
-        for k in range(2):
-            near, far = load(filling, 4 * i + 2 + k), load(filling, 4 * i + 6 + k)
-            store(made, (5 + k) * size + j, (1 - share) * near + share * far)
+    lower = 1e300
+    for j in range(nodes.size - 1, -1, -1):
+        lower = min(secants[j], lower)
+        secants[j] = 0.5 * (made[0, j] + lower)
+    value, square = 0.0, 0.0
+    for j in range(nodes.size):
+        below, square = square, nodes[j] * nodes[j]
+        value += secants[j] * (square - below)
+        made[0, j], made[1, j] = value, max(made[1, j], secants[j])
+        if j + 1 < nodes.size:
+            made[1, j] = min(made[1, j], secants[j + 1])
 
 
 @inner()
-def _write(made, nodes, lane, length, angle, units, n, out):
-    """Row n of the table from a lane of the finished rows, in `units`."""
+def _write(made, state, filling, trusted, basin, resampling, length, angle, units, n, out):
+    """Row n of the table, in `units` of force and stiffness, with its flags, spread and centre."""
     _, force, stiffness, area, flags, spread, centre = out
+    nodes, _, place, hermite = resampling
+    first, last = trusted
     c, s = math.cos(angle) * length, math.sin(angle) * length
-    for j in range(nodes):
-        k, step = j * LANES + lane, nodes * LANES
-        force[n, j + 1] = made[k] * units[0]
-        stiffness[n, j + 1] = made[k + step] * units[1]
-        area[n, j + 1] = made[k + 2 * step] * length * length
-        flags[n, j + 1] = int(made[k + 3 * step])
-        spread[n, j + 1] = made[k + 4 * step]
-        x, y = made[k + 5 * step], made[k + 6 * step]
+    for j in range(nodes.size):
+        i, share = place[j], hermite[j, 8]
+        low, high = first <= i <= last, first <= i + 1 <= last
+        force[n, j + 1] = made[0, j] * units[0]
+        stiffness[n, j + 1] = made[1, j] * units[1]
+        area[n, j + 1] = made[2, j] * length * length
+        beyond = (share <= 0.999 and not low) or (share >= 0.001 and not high)
+        flags[n, j + 1] = _BEYOND if beyond else 0
+        if made[2, j] > 0.999 * basin:
+            flags[n, j + 1] |= _FILLED
+        below = abs(state[i, 6]) if low else _UNTRUSTED
+        above = abs(state[i + 1, 6]) if high else _UNTRUSTED
+        spread[n, j + 1] = (1 - share) * below + share * above
+        x = (1 - share) * filling[i, 2] + share * filling[i + 1, 2]
+        y = (1 - share) * filling[i, 3] + share * filling[i + 1, 3]
         centre[n, j + 1, 0], centre[n, j + 1, 1] = c * x - s * y, s * x + c * y
 
 
-def table_space(rays: int, samples: int, levels: int, nodes: int) -> tuple[Any, ...]:
+def table_space(rays: int, samples: int, levels: int) -> tuple[Any, ...]:
     """Working groups of `tabulate_rows`.
 
-    A block; nodes and weights of the rays, frames, scales, states, contours and trusted levels; the
-    planforms and what they are made with; the columns and the rows.
+    A block; nodes and weights of the rays, frames, scales, contours and trusted levels; the
+    planforms, and what they are made with.
     """
     row = -(-rays // LANES) * LANES
-    counts = (-(-rays * samples // LANES) * LANES, row, 4 * rays, LANES)
-    states = (-(-levels * STATES // LANES) * LANES, SHAPE_ROW, LANES)
-    return (
-        groups(LANES),
-        tuple(map(groups, counts)),
-        tuple(map(groups, states)),
-        (groups(4 * levels), basin_space(rays, levels)),
-        row_space(levels, nodes),
-    )
+    counts = (-(-rays * samples // LANES) * LANES, row, 4 * rays, LANES, SHAPE_ROW, LANES)
+    return groups(LANES), tuple(map(groups, counts)), groups(4 * levels), basin_space(rays, levels)
 
 
 @compiled()
@@ -278,16 +189,16 @@ def tabulate_rows(
     _, angles, all_weights, _, _, qs, _, rays, samples = profiles
     u, powers, stencils = levels
     states, shapes, ends = found
-    n, p, nodes = len(scales), 3 + m, resampling[0].size
+    n, p, size = len(scales), 3 + m, u.size
     who, own = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
-    block, (q, weight, frame, scale), (state, shape, end), (filling, filling_in), lines = space
-    columns, made = lines
+    block, (q, weight, frame, scale, shape, end), planforms, working = space
+    columns, made = np.zeros((5, size)), np.zeros((4, resampling[0].size))
     keys = np.zeros(n, np.int64)
     for k in range(n):
-        keys[k] = 1 + int(ends[k, 1]) if scales[k, LANES - 1] > 0.0 else u.size + 1
-    order = ordered(keys, u.size + 1)
+        keys[k] = 1 + int(ends[k, 1]) if scales[k, LANES - 1] > 0.0 else size + 1
+    order = ordered(keys, size + 1)
     count = 0
-    while count < n and keys[order[count]] <= u.size:
+    while count < n and keys[order[count]] <= size:
         count += 1
     for i in range(0, count, LANES):
         for lane in range(LANES):
@@ -295,23 +206,30 @@ def tabulate_rows(
             who[lane] = begin + own[lane]
         for source, at, target in (
             (qs, who, q), (all_weights, who, weight), (frames, own, frame), (scales, own, scale),
-            (states, own, state), (shapes, own, shape), (ends, own, end),
+            (shapes, own, shape), (ends, own, end),
         ):  # fmt: skip
             spread_rows(source, at, target, block)
-        first, last = load(end, 0), load(end, 1)
-        lengths, basins = load(scale, 0), load(scale, 2)
+        lengths = load(scale, 0)
         fill(
             q, samples, weights, weight, frame, frame[2 * rays * LANES :], rays,
-            lengths * lengths / load(scale, 1), shape, state, last, u, m, punch, filling,
-            filling_in,
+            lengths * lengths / load(scale, 1), shape, load(end, 1), u, m, punch, planforms,
+            working,
         )  # fmt: skip
-        expanded_levels(state, first, last, u, powers, stencils, p, columns)
-        carried_on(filling, last, u, basins, p, columns)
-        resampled(columns, u, powers, resampling, p, made)
-        marked(state, filling, first, last, basins, resampling, made)
         for lane in range(min(LANES, count - i)):
-            k = who[lane]
-            length, height = scale[lane], scale[LANES + lane]
-            out[0][k] = height
+            k, row = own[lane], who[lane]
+            length, height, basin = scales[k, 0], scales[k, 1], scales[k, 2]
+            first, last = int(ends[k, 0]), int(ends[k, 1])
+            state = states[k, : size * STATES].reshape(size, STATES)
+            filling = planforms.reshape(size, 4, LANES)[:, :, lane]
+            for j in range(last):
+                filling[j, 2], filling[j, 3] = state[j, 7], state[j, 8]
+            if last >= 0:
+                expanded_levels(state, first, last, u, powers, stencils, p, columns)
+            carried_on(filling, last, u, basin, p, columns)
+            resampled(columns, u, powers, resampling, p, made)
+            out[0][row] = height
             unit = modulus * length ** (1 + m)
-            _write(made, nodes, lane, length, angles[k], (unit * height, unit), k, out)
+            _write(
+                made, state, filling, (first, last), basin, resampling, length, angles[row],
+                (unit * height, unit), row, out,
+            )  # fmt: skip

@@ -22,7 +22,7 @@ from asperity.halfspace.transforms import edge_weights
 from asperity.microcontact.law_table import LawTable
 from surfaces.numerics import parallel
 
-from .shared_tables import LANES, LOG_RATIO, ellipse_tables, fit_rules
+from .shared_tables import LANES, LOG_RATIO, between, ellipse_tables, fit_rules
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
@@ -144,17 +144,14 @@ def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
 
 def _fine_rows(rows: Array) -> Array:
     """Tables at `_RATIOS` axis ratios, by local cubics, as `_contour_kernels` reads them."""
+    from surfaces.numerics.lanes import groups
+
     from ._contour_kernels import FORMS, WIDTH
 
-    x = np.clip(np.linspace(0, len(rows) - 1, _RATIOS), 1.0, len(rows) - 2.001)
-    i = x.astype(int)
-    u = (x - i)[:, None]
-    fine = rows[i - 1] * (-u * (u - 1) * (u - 2) / 6) + rows[i] * ((u + 1) * (u - 1) * (u - 2) / 2)
-    fine += rows[i + 1] * (-(u + 1) * u * (u - 2) / 2) + rows[i + 2] * ((u + 1) * u * (u - 1) / 6)
+    first, last, _ = LOG_RATIO
+    fine = np.stack([between(rows, place) for place in np.linspace(first, last, _RATIOS)])
     edge = (WIDTH - FORMS - 1) * LANES
-    space = np.zeros(_RATIOS * WIDTH * LANES + LANES)
-    skip = -(space.ctypes.data // 8) % LANES
-    out = space[skip : skip + _RATIOS * WIDTH * LANES].reshape(_RATIOS, -1)
+    out = groups(_RATIOS * WIDTH).reshape(_RATIOS, -1)
     out[:, :edge] = fine[:, :edge]
     out[:, edge] = fine[:, 0]
     out[:, edge + 1] = fine[:, edge]
@@ -199,7 +196,7 @@ def tabulate(
             [np.zeros((_BLOCK, -(-width // LANES) * LANES)) for width in widths],
             frame_space(rays, profiles.t.size, fitting),
             march_space(rays),
-            table_space(rays, profiles.t.size, u.size, nodes),
+            table_space(rays, profiles.t.size, u.size),
         )
 
     def part(begin: int, end: int) -> None:

@@ -38,6 +38,7 @@ __all__ = [
     "LOG_RATIO",
     "EllipseTables",
     "FitRules",
+    "between",
     "edge_slopes",
     "ellipse_tables",
     "fit_rules",
@@ -182,6 +183,23 @@ def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
     rows = np.concatenate([edge, np.pad(on_quarter, spare), stiffness, forms], axis=1)
     i, j = monomials(degree)
     return EllipseTables(np.ascontiguousarray(rows), punch_moments(degree, m), i + j)
+
+
+def between(rows: Array, position: float) -> Array:
+    """Row at a logarithm of the axis ratio of a table over these, by local cubics."""
+    first, last, count = LOG_RATIO
+    place = min(max((position - first) / (last - first) * (count - 1), 1.0), count - 2.001)
+    i = int(place)
+    u = place - i
+    share = np.array(
+        [
+            -u * (u - 1) * (u - 2) / 6,
+            (u + 1) * (u - 1) * (u - 2) / 2,
+            -(u + 1) * u * (u - 2) / 2,
+            (u + 1) * u * (u - 1) / 6,
+        ]
+    )
+    return np.asarray(share @ rows[i - 1 : i + 3])
 
 
 @dataclass(frozen=True, eq=False)

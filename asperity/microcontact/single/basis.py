@@ -9,7 +9,7 @@ Derivatives are taken with ``a d/da``, under which a power r^j is multiplied by 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,29 +34,6 @@ _PANELS = 64
 """Gauss nodes between two corners."""
 
 
-class Basis(Protocol):
-    """What the laws need to know of a profile."""
-
-    m: float
-    orders: NDArray[np.int64]
-
-    def depth(self, a: Array, order: int = 0) -> Array:
-        """``(a d/da)^order`` of the approach D(a) [m]."""
-        ...
-
-    def gap(self, a: Array) -> Array:
-        """Mean of G~ [m]: ``int_0^1 t f w dt``."""
-        ...
-
-    def amplitudes(self, a: Array, order: int = 0, *, published: bool = False) -> Complex:
-        """``(a d/da)^order e_n`` [m] for n = 1, 2, ..., shape (k, harmonics)."""
-        ...
-
-    def published(self, a: Array, phi: Array) -> Array:
-        """Published numerator ``(1 - m) dG~ + dD`` [m] of the contour, shape (k, phi.size)."""
-        ...
-
-
 class PowerBasis:
     """Profile ``sum_i r^k_i psi_i(phi)``: every integral is a multiplier kappa_m(k + n)."""
 
@@ -76,22 +53,22 @@ class PowerBasis:
         return np.asarray(self.means * kappa(self.m, self.powers))
 
     def depth(self, a: Array, order: int = 0) -> Array:
-        """See `Basis`."""
+        """``(a d/da)^order`` of the approach D(a) [m]."""
         return np.asarray(a[:, None] ** self.powers @ (self.depth_factors * self.powers**order))
 
     def gap(self, a: Array) -> Array:
-        """See `Basis`."""
+        """Mean of G~ [m]: ``int_0^1 t f w dt``."""
         factors = self.depth_factors / (self.powers + self.m + 1)
         return np.asarray(a[:, None] ** self.powers @ factors)
 
     def amplitudes(self, a: Array, order: int = 0, *, published: bool = False) -> Complex:
-        """See `Basis`."""
+        """``(a d/da)^order e_n`` [m] for n = 1, 2, ..., shape (k, harmonics)."""
         n = np.full_like(self.orders, 2) if published else self.orders
         multiplier = kappa(self.m, self.powers[:, None] + n) * self.powers[:, None] ** order
         return np.asarray(a[:, None] ** self.powers @ (multiplier * self.harmonics))
 
     def published(self, a: Array, phi: Array) -> Array:
-        """See `Basis`."""
+        """Published numerator ``(1 - m) dG~ + dD`` [m] of the contour, shape (k, phi.size)."""
         deviation = self._profile.factors(phi) - self.means[:, None]
         multiplier = kappa(self.m, self.powers + 2)[:, None]
         return np.asarray(a[:, None] ** self.powers @ (multiplier * deviation))
@@ -114,25 +91,25 @@ class TableBasis:
         self.harmonics = spectrum[..., 1 : count + 1] * turn
 
     def depth(self, a: Array, order: int = 0) -> Array:
-        """See `Basis`."""
+        """See `PowerBasis`."""
         j = np.arange(4)
         scaled = self._mean * (1 + self.m + j) * j.astype(float) ** order
         value = self._integrate(a, scaled[..., None], np.zeros(1, dtype=np.int64))[:, 0]
         return value + self._jumps(a) if order == 2 else value
 
     def gap(self, a: Array) -> Array:
-        """See `Basis`."""
+        """See `PowerBasis`."""
         return self._integrate(a, self._mean[..., None], np.zeros(1, dtype=np.int64))[:, 0]
 
     def amplitudes(self, a: Array, order: int = 0, *, published: bool = False) -> Complex:
-        """See `Basis`."""
+        """See `PowerBasis`."""
         n = np.full_like(self.orders, 2) if published else self.orders
         j = np.arange(4)[:, None]
         scaled = self.harmonics * (n + 1 + self.m + j) * j.astype(float) ** order
         return self._integrate(a, scaled, n)
 
     def published(self, a: Array, phi: Array) -> Array:
-        """See `Basis`."""
+        """See `PowerBasis`."""
         return synthesis(self.amplitudes(a, published=True), phi)
 
     def summit(self) -> tuple[float, complex]:
@@ -175,6 +152,10 @@ class TableBasis:
         with np.errstate(divide="ignore"):
             weight = np.where(t < 1, (1 - t * t) ** ((self.m - 1) / 2), 0.0)
         return np.asarray((weight * t * t) @ (self._kinks * (r / r[-1]) ** 2))
+
+
+Basis = PowerBasis | TableBasis
+"""What the laws need to know of a profile."""
 
 
 def basis_of(profile: PowerSumProfile | PolarProfile, m: float) -> Basis:

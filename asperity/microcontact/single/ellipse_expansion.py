@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.transforms import kappa
 from asperity.microcontact.ellipse.ellipse_operator import monomials
-from asperity.microcontact.ellipse.shared_tables import LOG_RATIO, ellipse_tables
+from asperity.microcontact.ellipse.shared_tables import between, ellipse_tables
 
-__all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "between", "edge_of", "fit_points", "fitted"]
+__all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "edge_of", "fit_points", "fitted"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -192,23 +192,6 @@ def _rest_factors(m: float) -> tuple[Array, Array]:
     the pressure of the flat punch."""
     order = np.arange(_WAVES)[:, None]
     return kappa(m, _POWERS + order) / np.pi, kappa(m, _POWERS) / (_POWERS + 1 + m) * (1 + m)
-
-
-def between(rows: Array, position: float) -> Array:
-    """Row at a logarithm of the axis ratio, by local cubics."""
-    first, last, count = LOG_RATIO
-    place = min(max((position - first) / (last - first) * (count - 1), 1.0), count - 2.001)
-    i = int(place)
-    u = place - i
-    share = np.array(
-        [
-            -u * (u - 1) * (u - 2) / 6,
-            (u + 1) * (u - 1) * (u - 2) / 2,
-            -(u + 1) * u * (u - 2) / 2,
-            (u + 1) * u * (u - 1) / 6,
-        ]
-    )
-    return np.asarray(share @ rows[i - 1 : i + 3])
 
 
 def _resampled(values: Array) -> Complex:

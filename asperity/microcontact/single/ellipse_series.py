@@ -31,9 +31,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import binom
 
-from asperity.microcontact.ellipse.shared_tables import edge_slopes
+from asperity.microcontact.ellipse.shared_tables import between, edge_slopes
 
-from .ellipse_expansion import ANGLES, Edge, between
+from .ellipse_expansion import ANGLES, Edge
 
 __all__ = ["Expansion", "expand"]
 

@@ -11,7 +11,7 @@ from asperity.microcontact.hertz import elliptic_contact
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import circle
-from .basis import PowerBasis, TableBasis, basis_of
+from .basis import PowerBasis, basis_of
 from .indentation import Indentation, profile_flags
 
 __all__ = ["indent"]
@@ -84,7 +84,6 @@ def _summit(profile: PowerSumProfile | PolarProfile, m: float) -> tuple[float, f
             )
         mean, wave = basis.means[lowest], basis.harmonics[lowest, 1]
     else:
-        assert isinstance(basis, TableBasis)
         mean, wave = basis.summit()
     high, low = 2 * (mean + abs(wave)), 2 * (mean - abs(wave))
     if not low > 0:

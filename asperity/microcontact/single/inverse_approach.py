@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import bisect
 
 from asperity.errors import ModelRangeError
 
@@ -52,7 +53,6 @@ def _scan(basis: Basis) -> Array:
         r = basis.nodes
         inside = np.sort(np.concatenate([r[1:], (r[1:] + r[:-1]) / 2]))
         return np.append(inside, r[-1] * np.linspace(1.02, _FARTHEST, 40))
-    assert isinstance(basis, PowerBasis)
     pull = np.abs(basis.means * basis.powers)
     rising, falling = basis.means > 0, basis.means < 0
     if not np.any(falling) or not np.any(rising):
@@ -72,14 +72,7 @@ def _end(basis: Basis, scan: Array) -> float:
         return float(scan[-1]) if isinstance(basis, TableBasis) else np.inf
     first = int(turned[0])
     low = scan[first - 1] if first else scan[0] / 8
-    high = scan[first]
-    for _ in range(_STEPS):
-        middle = (low + high) / 2
-        if basis.depth(np.array([middle]), 1)[0] > 0:
-            low = middle
-        else:
-            high = middle
-    return float(low)
+    return float(bisect(lambda a: basis.depth(np.array([a]), 1)[0], low, scan[first]))
 
 
 def _positive_root(basis: PowerBasis, d: Array) -> Array:

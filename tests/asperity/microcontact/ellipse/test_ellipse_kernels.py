@@ -113,10 +113,10 @@ def test_nested_fits_find_a_polynomial():
 
 @njit
 def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, punch, out, own):
-    shape, state, space = own
+    shape, space = own
     _basin_kernels.fill(
-        q, nodes, weights, weight, direction, edge, rays, splat(scale), shape, state, splat(-1.0),
-        levels, m, punch, out, space,
+        q, nodes, weights, weight, direction, edge, rays, splat(scale), shape, splat(-1.0), levels,
+        m, punch, out, space,
     )  # fmt: skip
 
 
@@ -126,7 +126,7 @@ def _filled(q, weights, weight, direction, edge, levels, m):
     _, punch, _ = _rules(m, rays, nodes, 24)[-1]
     out = np.zeros(levels.size * 4 * LANES)
     space = _basin_kernels.basin_space(rays, levels.size)
-    own = groups(SHAPE), groups(levels.size * STATES), space
+    own = groups(SHAPE), space
     _fill(
         lanes(q), nodes, weights, lanes(weight), lanes(direction), lanes(edge), rays, 0.3, levels,
         m, punch, out, own,
@@ -171,10 +171,8 @@ def test_basins_fill_ray_by_ray():
 
 
 @njit
-def _expanded(state, first, last, levels, powers, stencils, p, columns):
-    _table_kernels.expanded_levels(
-        state, splat(first), splat(last), levels, powers, stencils, p, columns
-    )
+def _expanded(*given):
+    _table_kernels.expanded_levels(*given)
 
 
 def test_slopes_at_the_trusted_levels():
@@ -184,10 +182,9 @@ def test_slopes_at_the_trusted_levels():
     state = np.zeros((levels.size, STATES))
     state[:, 0] = levels**p * poly(levels)
     state[:, 3:5] = 1.0
-    out = np.zeros(5 * levels.size * LANES)
+    columns = np.zeros((5, levels.size))
     first, last = 2, 11
-    _expanded(lanes(state), 2.0, 11.0, levels, levels**p, _stencils(24), p, out)
-    columns = out.reshape(5, levels.size, LANES)[..., 3]
+    _expanded(state, 2, 11, levels, levels**p, _stencils(24), p, columns)
     exact = 0.5 * levels ** (p - 2) * (p * poly(levels) + levels * poly.deriv()(levels))
     inside = slice(first, last)
     np.testing.assert_allclose(columns[1, inside], exact[inside], rtol=1e-10)
@@ -252,8 +249,8 @@ def test_ellipses_have_no_lobes():
 
 
 @njit
-def _carried(filling, last, levels, basin, p, columns):
-    _table_kernels.carried_on(filling, splat(last), levels, splat(basin), p, columns)
+def _carried(*given):
+    _table_kernels.carried_on(*given)
 
 
 def test_planforms_carry_the_contact_on():
@@ -273,9 +270,8 @@ def test_planforms_carry_the_contact_on():
         u = np.linspace(levels[i - 1], levels[i], 4001)
         k = np.interp(u, levels[i - 1 : i + 1], expected[1, i - 1 : i + 1])
         expected[0, i] = expected[0, i - 1] + trapezoid(k, u**2)
-    out = lanes(columns)
-    _carried(lanes(filling), float(last), levels, basin, p, out)
-    np.testing.assert_allclose(out.reshape(5, n, LANES)[:3, :, 5], expected[:3], rtol=1e-6)
+    _carried(filling, last, levels, basin, p, columns)
+    np.testing.assert_allclose(columns[:3], expected[:3], rtol=1e-6)
 
 
 def test_rows_are_hermite_and_convex():
@@ -287,14 +283,13 @@ def test_rows_are_hermite_and_convex():
     s = 1 + 0.2 * levels
     columns[0], columns[2] = levels**p * s, levels**2
     columns[1] = 0.5 * levels ** (p - 2) * (p * s + levels * 0.2)
-    out = np.zeros(_table_kernels.MADE * u.size * LANES)
-    made = out.reshape(-1, u.size, LANES)[..., 2]
-    _table_kernels.resampled(lanes(columns), levels, levels**p, rules, p, out)
+    made = np.zeros((4, u.size))
+    _table_kernels.resampled(columns, levels, levels**p, rules, p, made)
     spline = CubicHermiteSpline(levels, s, np.full(levels.size, 0.2))
     np.testing.assert_allclose(made[0], spline(u) * u**p, rtol=1e-10)
     np.testing.assert_allclose(made[2], u**2, rtol=1e-10)
     columns[0, -3] *= 0.8
-    _table_kernels.resampled(lanes(columns), levels, levels**p, rules, p, out)
+    _table_kernels.resampled(columns, levels, levels**p, rules, p, made)
     secant = np.diff(made[0], prepend=0.0) / np.diff(u**2, prepend=0.0)
     assert (np.diff(secant) >= -1e-12).all()
     assert (made[1] >= secant - 1e-12).all()
