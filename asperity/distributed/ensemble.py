@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import default_pressures
 from asperity.progress import Progress, reported
-from surfaces.errors import as_number
+from surfaces.errors import as_count, as_number, as_numbers, as_path
 from surfaces.heightmap import HeightMap
 
 from .bands import DECIDES, QUANTITIES, Confidence, Ensemble
@@ -114,19 +113,22 @@ def ensemble(
     >>> len(found), bool(found.table["area_fraction"][0] < found.table["area_fraction"][1])
     (4, True)
     """
+    for name, given in (("material", material), ("settings", settings or {})):
+        if not isinstance(given, HalfSpace | Mapping):
+            raise InputError(f"{name} is {given!r}; an ensemble is of one, or of its keywords")
     if seeds is not None and windows is not None:
         raise InputError("members are seeds or windows; give one of them")
     if seeds is not None:
         members = _seeded(members, seeds)
     elif windows is not None:
         members = _windows(members, windows)
-    maker, on = Jobs(Path(folder)), Workers(workers, scheduler, threads)
+    maker, on = Jobs(as_path(folder)), Workers(workers, scheduler, threads)
     chosen = list(maker.surfaces(members))
     if until is not None and not as_number("until", until) > 0.0:
         raise InputError(f"until is {until}; give a relative half width above 0, such as 0.02")
     (first, *_) = maker.product(chosen, material, settings)
     pressures = _common(first)
-    jobs = maker.product(chosen, material, {**(settings or {}), "pressures": pressures})
+    jobs = maker.product(chosen, material, {**first.settings, "pressures": pressures})
     distinct = list({job.file: job for job in jobs}.values())
     confidence = Confidence(len(pressures))
     rows, curves, widths = list[Any](), list[Any](), list[float]()
@@ -164,7 +166,10 @@ def windows_of(
 ) -> list[tuple[tuple[int, int], tuple[int, int]]]:
     """Rows and columns, first and one past last, of the windows of a map, in a random order;
     refused if no window fits into it."""
-    ny, nx = (int(n) for n in np.broadcast_to(np.asarray(window), 2))
+    sides = as_numbers("windows", window)
+    if sides.shape not in ((), (2,)):
+        raise InputError(f"windows is {window}; give their side, or rows and columns, in points")
+    ny, nx = (as_count("windows", side, 3) for side in np.broadcast_to(sides, 2).tolist())
     if not (3 <= ny <= shape[0] and 3 <= nx <= shape[1]):
         raise InputError(f"windows of {ny} x {nx} points do not fit into {shape[0]} x {shape[1]}")
     places = [
@@ -189,9 +194,8 @@ def _seeded(make: Any, seeds: int | Sequence[int]) -> list[Callable[[], HeightMa
     """Functions that make a surface of each seed."""
     if not callable(make):
         raise InputError(f"seeds need a function of seed, not a {type(make).__name__}")
-    return [
-        partial(make, seed=seed) for seed in (range(seeds) if isinstance(seeds, int) else seeds)
-    ]
+    drawn = seeds if isinstance(seeds, Iterable) else range(as_count("seeds", seeds, 1))
+    return [partial(make, seed=seed) for seed in drawn]
 
 
 def _common(first: Job) -> NDArray[np.float64]:
@@ -202,7 +206,7 @@ def _common(first: Job) -> NDArray[np.float64]:
     given: ArrayLike | None = first.settings.get("pressures")
     if given is None:
         given = default_pressures(load_map(first), first.material)
-    pressures = np.atleast_1d(np.asarray(given, float))
+    pressures = np.atleast_1d(as_numbers("pressures", given)).ravel()
     if not (pressures > 0.0).all():
         raise InputError("the pressures of an ensemble must be positive")
     return pressures

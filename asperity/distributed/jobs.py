@@ -90,6 +90,8 @@ class Jobs:
     def job(self, surface: Surface, material: HalfSpace, settings: Mapping[str, Any]) -> Job:
         """One job; refused if the material or a setting is none."""
         require_half_space(material)
+        if not isinstance(settings, Mapping):
+            raise InputError(f"settings are keywords of a method, not {type(settings).__name__}")
         chosen = {"method": next(iter(METHODS)), **settings}
         _require_settings(chosen)
         told = [self._plain(surface.load), asdict(material), self._plain(chosen, files=False)]
@@ -206,8 +208,10 @@ def method(name: str) -> Callable[..., Any]:
 
 def _require_settings(settings: Mapping[str, Any]) -> None:
     """Refuse an unknown method, and what it does not take."""
-    if settings["method"] not in METHODS:
+    if settings["method"] not in tuple(METHODS):
         raise InputError(f"method is {settings['method']!r}; give one of {', '.join(METHODS)}")
+    if not isinstance(settings.get("prepare", {}), Mapping):
+        raise InputError("prepare holds the keywords of surfaces.prepare")
     takes = inspect.signature(method(settings["method"])).parameters.keys() - OWN
     known = takes | {"method", "loads", "prepare"}
     for name in settings:

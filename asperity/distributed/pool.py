@@ -25,7 +25,7 @@ from multiprocessing import forkserver, get_context, parent_process
 from typing import Any, Protocol
 
 from asperity.errors import AsperityError, InputError
-from surfaces.errors import as_number
+from surfaces.errors import as_count
 from surfaces.numerics.parallel import available
 
 from .jobs import Job
@@ -97,10 +97,11 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
     """Workers on Dask, or in a pool of processes where it is not installed; no more are started
     here than there are jobs. Refused if no scheduler answers, or Dask is needed and not
     installed."""
-    for name, number in (("workers", on.count), ("threads", on.threads)):
-        if number is not None and as_number(f"the number of {name}", number) < 1:
-            raise InputError(f"the number of {name} is {number}; give at least 1")
-    count = min(on.count or max(1, available() // on.threads), jobs)
+    threads = as_count("the number of threads", on.threads, 1)
+    most = max(1, available() // threads)
+    if on.count is not None:
+        most = as_count("the number of workers", on.count, 1)
+    count = min(most, jobs)
     method = _start_method() if on.scheduler is None else ""
     try:
         import dask
@@ -136,7 +137,7 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
             stack.enter_context(where)
         try:
             client = stack.enter_context(distributed.Client(where))
-        except (OSError, ValueError) as error:
+        except (OSError, TypeError, ValueError) as error:
             raise InputError(
                 f"no Dask scheduler answers at {where} ({' '.join(str(error).split())}); start "
                 "one by `dask scheduler`, and workers by `dask worker ADDRESS --nthreads 1`"

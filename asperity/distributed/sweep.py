@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from asperity.compilation import HARD, compile_ahead
 from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported
+from surfaces.errors import as_path
 from surfaces.files.atomic import make_folder
 
 from .index import Sweep
@@ -107,7 +108,7 @@ def sweep(
     >>> len(found), bool(found.table["area_fraction"][1] > found.table["area_fraction"][0])
     (4, True)
     """
-    place = Path(folder)
+    place = as_path(folder)
     on = Workers(workers, scheduler, threads)
     jobs = Jobs(place).product(surfaces, materials, settings)
     return run_sweep(jobs, place, on, force=force, progress=progress)

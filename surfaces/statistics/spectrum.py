@@ -102,7 +102,7 @@ class SpectralMoments:
     def lay(self) -> float:
         """Direction of the smallest slopes, the lay [rad], ccw from +x to +y, in 0 to pi."""
         half = 0.5 * np.arctan2(2.0 * self.m11, self.m20 - self.m02)
-        return _in_half_turn(half + 0.5 * np.pi)
+        return float((half + 0.5 * np.pi) % np.pi % np.pi)  # once: pi, of -1e-17
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,12 +286,7 @@ def texture_direction(waves: Density) -> float:
     most = int(np.argmax(total))
     if total[most] == 0.0:
         return np.nan
-    return _in_half_turn(np.radians(most) + moment[most] / total[most])
-
-
-def _in_half_turn(angle: float) -> float:
-    """The direction of an angle [rad], from 0 to below pi: of next to nothing below 0 it is 0."""
-    return float(np.mod(angle, np.pi)) % np.pi
+    return float((np.radians(most) + moment[most] / total[most]) % np.pi % np.pi)
 
 
 def _edge(waves: Density, width: float, nyquist: float) -> float:

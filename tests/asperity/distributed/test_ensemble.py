@@ -155,12 +155,23 @@ def test_windows_of_a_large_map_are_read_one_by_one(here, tmp_path, monkeypatch)
         ({"settings": {"loads": [1.0]}, "seeds": 3}, "leave out loads"),
         ({"settings": {"pressures": [0.0, 1e8]}, "seeds": 3}, "must be positive"),
         ({"seeds": []}, "at least one surface"),
+        ({"seeds": 2.5}, "give a whole number"),
+        ({"seeds": 0}, "at least 1"),
+        ({"settings": {"pressures": "high"}, "seeds": 3}, "an array of numbers"),
+        ({"settings": 3, "seeds": 3}, "settings is 3; an ensemble is of one"),
+        ({"settings": [LOADS, LOADS], "seeds": 3}, "an ensemble is of one"),
+        ({"material": [STEEL, STEEL], "seeds": 3}, "an ensemble is of one"),
+        ({"settings": {"prepare": 3}, "seeds": 3}, "the keywords of surfaces.prepare"),
+        ({"folder": 3, "seeds": 3}, "the path of a file"),
     ],
 )
 def test_bad_arguments_are_refused_in_one_sentence(change, match, tmp_path):
-    given = {"settings": LOADS} | change
+    given = {"material": STEEL, "settings": LOADS, "folder": tmp_path / "out"} | change
     with pytest.raises(asperity.InputError, match=match):
-        asperity.ensemble(MAKE, STEEL, given.pop("settings"), folder=tmp_path / "out", **given)
+        asperity.ensemble(MAKE, **given)
+    for windows in ("wide", (8, 8, 8), 8.5, 2):
+        with pytest.raises(asperity.InputError, match="windows is"):
+            windows_of((48, 64), windows)
     with pytest.raises(asperity.InputError, match="seeds need a function of seed"):
         asperity.ensemble("map.h5", STEEL, folder=tmp_path, seeds=3)
 

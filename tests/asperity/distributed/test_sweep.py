@@ -228,15 +228,21 @@ def test_maps_in_memory_loads_and_preparation(here, tmp_path):
         ({"surfaces": 7}, "a path, a glob, a HeightMap or a function that makes one, not int"),
         ({"surfaces": lambda: None}, "cannot be told from another"),
         ({"settings": {"speed": 1.0}}, "speed is no setting of the method curve; it takes"),
+        ({"settings": 3.0}, "settings are keywords of a method, not float"),
+        ({"settings": {"method": ["bem"]}}, "give one of curve, bem, solve"),
+        ({"settings": {"prepare": 3}}, "the keywords of surfaces.prepare"),
+        ({"folder": None}, "the path of a file"),
+        ({"workers": 2.5}, "whole number"),
         ({"settings": {"method": "magic"}}, "method is 'magic'; give one of curve, bem, solve"),
         ({"workers": 0}, "the number of workers is 0"),
         ({"threads": 0}, "the number of threads is 0"),
     ],
 )
 def test_bad_arguments_are_refused_in_one_sentence(change, match, tmp_path):
-    given = {"surfaces": partial(MAKE, seed=1), "materials": STEEL, "settings": LOADS} | change
+    given = {"surfaces": partial(MAKE, seed=1), "materials": STEEL, "settings": LOADS}
+    given |= {"folder": tmp_path / "out"} | change
     with pytest.raises(asperity.InputError, match=match):
-        asperity.sweep(given.pop("surfaces"), folder=tmp_path / "out", **given)
+        asperity.sweep(given.pop("surfaces"), **given)
 
 
 def test_the_command_and_its_plans(here, maps, tmp_path, monkeypatch, capsys):
