@@ -167,7 +167,7 @@ def windows_of(
     """Rows and columns, first and one past last, of the windows of a map, in a random order;
     refused if no window fits into it."""
     sides = as_numbers("windows", window)
-    if sides.shape not in ((), (2,)):
+    if sides.shape not in ((), (1,), (2,)):
         raise InputError(f"windows is {window}; give their side, or rows and columns, in points")
     ny, nx = (as_count("windows", side, 3) for side in np.broadcast_to(sides, 2).tolist())
     if not (3 <= ny <= shape[0] and 3 <= nx <= shape[1]):
