@@ -8,8 +8,9 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -44,6 +45,9 @@ IN_FLIGHT = 2
 
 SECONDS_TO_ANSWER = 2.0
 """Longest wait for a scheduler to tell its workers; those that it told before are taken then."""
+
+SECONDS_BETWEEN_LOOKS, SECONDS_WITHOUT_WORKERS = 10.0, 300.0
+"""How often workers are counted while none of them answers; how long there may be none."""
 
 LEAN = {
     "MALLOC_TRIM_THRESHOLD_": str(1 << 30),
@@ -181,16 +185,22 @@ class _Dask:
 
     def __init__(self, client: Any) -> None:
         self._client, self._executor = client, client.get_executor(pure=False)
-        self._known = 1
+        self._known, self._seen = 1, time.monotonic()
         _tell(f"dashboard {client.dashboard_link}")
 
     @property
     def workers(self) -> int:
-        """Workers that are there now; they may come and go."""
+        """Workers that are there now; they may come and go, but not all stay away."""
         if self._client.status == "running":
             with suppress(OSError):  # it is busy, or lost: the client is about to notice
                 there = self._client.nthreads(callback_timeout=SECONDS_TO_ANSWER)
                 self._known = max(1, len(there))
+                self._seen = time.monotonic() if there else self._seen
+        if time.monotonic() - self._seen > SECONDS_WITHOUT_WORKERS:
+            raise AsperityError(
+                f"the Dask scheduler has had no workers for {SECONDS_WITHOUT_WORKERS:.0f} s; start "
+                "some and run the same again, which goes on where this ended"
+            )
         if self._client.status != "running":
             raise _lost()
         return self._known
@@ -259,7 +269,7 @@ def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job,
             job = suspects.popleft()
             yield job, _alone(job, work, pool)
             continue
-        for future in wait(flying, return_when=FIRST_COMPLETED).done:
+        for future in _done(flying, pool):
             batch = flying.pop(future)
             if _error(future) is not None:
                 suspects.extend(batch)
@@ -272,13 +282,20 @@ def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job,
 
 def _alone(job: Job, work: Work, pool: Pool) -> Outcome:
     """Run a job while no other runs; whatever ends its worker is its own fault."""
-    future = pool.submit(work, [job])
+    (future,) = _done([pool.submit(work, [job])], pool)
     error = _error(future)
     if error is None:
         return future.result()[0]  # type: ignore[no-any-return]
     if isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker":
         return failure(AsperityError("its worker ended each time, perhaps for want of memory"))
     return failure(AsperityError(f"{type(error).__name__}: {error}"))
+
+
+def _done(flying: Iterable[Future[Any]], pool: Pool) -> set[Future[Any]]:
+    """Those of some batches that have ended, at least one."""
+    while not (done := wait(flying, SECONDS_BETWEEN_LOOKS, FIRST_COMPLETED).done):
+        _ = pool.workers  # refused if there are none any more
+    return done
 
 
 def _error(future: Future[Any]) -> BaseException | None:

@@ -18,6 +18,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.cli.main import main
+from asperity.distributed import pool
 from asperity.distributed.pool import Workers, opened
 
 from .conftest import LOADS, MAKE, STEEL, same_but_seconds
@@ -184,6 +185,18 @@ def test_a_scheduler_that_runs_already(maps, tmp_path):
     assert same_but_seconds(here, there)
 
 
+def test_a_scheduler_whose_workers_stay_away_is_not_waited_for(tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(pool, "SECONDS_BETWEEN_LOOKS", 0.1)
+    monkeypatch.setattr(pool, "SECONDS_WITHOUT_WORKERS", 0.5)
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address=":0") as empty,
+        pytest.raises(asperity.AsperityError, match="has had no workers for"),
+    ):
+        at = empty.scheduler_address
+        asperity.sweep(partial(MAKE, seed=1), STEEL, LOADS, folder=tmp_path, scheduler=at)
+
+
 def test_a_scheduler_that_is_not_there_or_not_possible(tmp_path, monkeypatch):
     dask = pytest.importorskip("dask")
     pytest.importorskip("distributed")
@@ -322,8 +335,8 @@ def test_workers_are_forked_from_a_process_without_threads(dask, monkeypatch):
     """Threads would not be there after the fork, and what they hold would stay locked."""
     if not dask:
         monkeypatch.setitem(sys.modules, "distributed", None)
-    with opened(Workers(1), 1) as pool:
-        server = pool.submit(os.getppid).result()
-        assert pool.submit(os.getenv, "OMP_NUM_THREADS").result() == "1"
+    with opened(Workers(1), 1) as opened_pool:
+        server = opened_pool.submit(os.getppid).result()
+        assert opened_pool.submit(os.getenv, "OMP_NUM_THREADS").result() == "1"
         assert server != os.getpid()
         assert len(os.listdir(f"/proc/{server}/task")) == 1
