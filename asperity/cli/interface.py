@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         suffix=targets.ONE,
-        alone="law.inp",
+        default="law.inp",
         help="file (default law.inp)",
     )
     targets.add_force(parser)
@@ -44,7 +44,6 @@ def run(args: argparse.Namespace) -> int:
     from asperity.extensions.conductance import constriction_conductance
     from asperity.results.curve import ContactCurve, read_results
 
-    targets.fill_in(args)
     targets.require(args, inputs=[args.results])
     name = args.curve or next(iter(read_results(args.results).curves), None)
     curve = ContactCurve.from_hdf5(args.results, name)
