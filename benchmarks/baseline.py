@@ -27,7 +27,7 @@ from scipy.interpolate import PchipInterpolator
 
 import asperity
 import surfaces
-from asperity.comparison.coarse_bem import rms
+from asperity.comparison.other_grids import rms
 from asperity.halfspace.scene import default_pressures
 from asperity.results.storage import write_csv
 

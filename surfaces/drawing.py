@@ -65,10 +65,10 @@ def figure_height(width: float, size: tuple[float, float]) -> float:
     return float(np.clip(width * size[0] / size[1], 1.2, 9.0))
 
 
-def image(figure: Figure, dpi: int = 120) -> str:
+def image(figure: Figure) -> str:
     """A figure as an image of an HTML page that needs no other file."""
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=dpi, bbox_inches="tight")
+    figure.savefig(buffer, format="png", dpi=100, bbox_inches="tight")
     data = base64.b64encode(buffer.getvalue()).decode("ascii")
     return f'<img alt="" src="data:image/png;base64,{data}">'
 

@@ -319,7 +319,7 @@ class HeightMap:
         self.plot(figure.add_subplot())
         steps = ", ".join(str(step.get("step", "")) for step in self.history)
         told = f"rms height {self.rms_height:.4g} m" + (f"; {steps}" if steps else "")
-        return f"<div><p>{html.escape(f'{self!r}, {told}')}</p>{image(figure, 100)}</div>"
+        return f"<div><p>{html.escape(f'{self!r}, {told}')}</p>{image(figure)}</div>"
 
     def __repr__(self) -> str:
         label = f" {self.name!r}" if self.name else ""

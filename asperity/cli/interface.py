@@ -6,7 +6,7 @@ import argparse
 
 from asperity.results.interface_law import BANDS, FORMATS, UNITS
 
-from . import output, quantities, targets
+from . import derived, output, quantities, targets
 from .messages import tell
 
 EPILOG = """example:
@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         suffix=targets.ONE,
-        alone="law.inp",
+        default="law.inp",
         help="file (default law.inp)",
     )
     targets.add_force(parser)
@@ -41,17 +41,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the curve, write the law."""
-    from asperity.extensions.conductance import constriction_conductance
     from asperity.results.curve import ContactCurve, read_results
 
-    targets.fill_in(args)
     targets.require(args, inputs=[args.results])
     name = args.curve or next(iter(read_results(args.results).curves), None)
     curve = ContactCurve.from_hdf5(args.results, name)
-    found = None
-    if args.resistivity is not None:
-        found = constriction_conductance(curve, resistivity=tuple(args.resistivity))
-    law = curve.to_interface_law(conductance=found)
+    law = curve.to_interface_law(**derived.conductance(curve, args))
     law.write(args.output, args.format, units=args.units, band=args.band)
     tell(f"curve           {name}\n{law}\nlaw             {args.output}")
     return output.exit_code([curve])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import json
 import os
 import re
 import sys
@@ -133,10 +134,12 @@ def _run(args: argparse.Namespace) -> int:
         set_memory(None)
     if not as_json:
         return code
-    about = {"command": command_name(args), "version": __version__, "exit_code": code}
-    from .document import document
+    from asperity.results.storage import json_text
 
-    print(document(about | {"results": args.document}))
+    about = {"command": command_name(args), "version": __version__, "exit_code": code}
+    text = json_text(about | {"results": args.document})
+    # JSON knows no number that is not finite: it is null
+    print(json.dumps(json.loads(text, parse_constant=lambda word: None)))
     return code
 
 

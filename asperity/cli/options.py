@@ -20,6 +20,9 @@ from . import batch, quantities
 from .surface import prepared, read_map
 from .surface_options import add_preparation, add_reading
 
+LOADS = {"pressure": "pressure", "load": "force", "separation": "length"}
+"""Options that take a list of load points, and the kind of quantity of each."""
+
 SceneWork = Callable[[HeightMap, HalfSpace, dict[str, Any], argparse.Namespace], Mapping[str, Any]]
 """As `batch.Work`, of a map, a half-space and load points as keyword arguments of the models."""
 
@@ -203,7 +206,7 @@ def _defaults(add: Callable[..., None], *words: str) -> argparse.Namespace:
 
 def loads(args: argparse.Namespace) -> dict[str, Any]:
     """The load points asked for, "pressures", "loads" or "separations"; empty for the default."""
-    for name, kind in (("pressure", "pressure"), ("load", "force"), ("separation", "length")):
+    for name, kind in LOADS.items():
         text, lengths = getattr(args, name), kind == "length"
         if text is None:
             continue

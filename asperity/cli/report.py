@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         suffix=targets.ONE,
-        alone="report.html",
+        default="report.html",
         help="report file (default report.html)",
     )
     targets.add_force(parser)
@@ -40,7 +40,6 @@ def run(args: argparse.Namespace) -> int:
     from asperity.comparison.report.sample import read_sample
 
     files = expand(args.results)
-    targets.fill_in(args)
     targets.require(args, inputs=[str(file) for file in files])
     samples = [read_sample(file) for file in files]
     write_report(args.output, samples)

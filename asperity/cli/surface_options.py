@@ -39,6 +39,9 @@ PARAMETERS = {
 }
 """Options of the textures; each texture takes some of them."""
 
+ANY_OUTPUT = "file to write, or a folder, DIR/, in which each file is called as its input"
+"""What is told of the output of a command that takes several files."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add all sub-commands with their options."""
@@ -58,15 +61,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     convert = _command(commands, "convert", "rewrite maps as HDF5 schema 1, .npz, .txt or .csv")
     _files(convert)
-    _outputs(convert)
+    _output(convert, ANY_OUTPUT)
+    batch.add_table(convert)
 
     prepare = _command(commands, "prepare", "level, remove outliers, fill, filter, make periodic")
     _files(prepare)
-    _outputs(prepare)
+    _output(prepare, ANY_OUTPUT)
+    batch.add_table(prepare)
     add_preparation(prepare)
 
     generate = _command(commands, "generate", "make a rough surface")
-    _generation(generate)
+    add_generation(generate)
+    generate.add_argument("--name", help="name kept in the file")
+    generate.add_argument(
+        "--memory",
+        type=quantities.of("memory"),
+        metavar="SIZE",
+        help="make the map by blocks in the file, in so much memory (2GiB); self-affine",
+    )
+    _output(generate, "file to write")
 
     peaks = _command(commands, "peaks", "prepare a map and list its peaks")
     _files(peaks)
@@ -185,16 +198,9 @@ def _told(parser: argparse.ArgumentParser) -> None:
     batch.add_table(parser)
 
 
-def _outputs(parser: argparse.ArgumentParser) -> None:
-    targets.add_target(
-        parser,
-        "-o",
-        "--output",
-        suffix=".h5",
-        required=True,
-        help="file to write, or a folder, DIR/, in which each file is called as its input",
-    )
-    _told(parser)
+def _output(parser: argparse.ArgumentParser, what: str) -> None:
+    targets.add_target(parser, "-o", "--output", suffix=".h5", required=True, help=what)
+    targets.add_force(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
 
 
@@ -209,17 +215,3 @@ def add_generation(parser: Any) -> None:
         kind = "length" if "[m]" in text else "angle" if name == "angle" else "plain number"
         number: Any = int if name == "seed" else quantities.of(kind)
         parser.add_argument(f"--{name.replace('_', '-')}", type=number, metavar="X", help=text)
-
-
-def _generation(parser: argparse.ArgumentParser) -> None:
-    add_generation(parser)
-    parser.add_argument("--name", help="name kept in the file")
-    parser.add_argument(
-        "--memory",
-        type=quantities.of("memory"),
-        metavar="SIZE",
-        help="make the map by blocks in the file, in so much memory (2GiB); self-affine",
-    )
-    targets.add_target(parser, "-o", "--output", suffix=".h5", required=True, help="file to write")
-    targets.add_force(parser)
-    parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")

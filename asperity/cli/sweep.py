@@ -41,9 +41,6 @@ MOST_ROWS = 40
 TABLES = ("material", "settings")
 """Tables of a plan."""
 
-LOADS = ("pressure", "load", "separation")
-"""Options that take a list of load points as one word."""
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity sweep``."""
@@ -220,7 +217,7 @@ def _words(given: Mapping[str, Any], file: Path, maps: Sequence[str] = ()) -> li
         if value is False:
             continue
         values = [] if value is True else value if isinstance(value, list) else [value]
-        if name in LOADS:
+        if name in options.LOADS:  # a list of them is one word
             values = [",".join(map(str, values))]
         words += [f"--{name.replace('_', '-')}", *map(str, values)]
     files = [word for one in named for word in (one if isinstance(one, list) else [one])]

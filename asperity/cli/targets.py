@@ -50,7 +50,7 @@ def add_target(
     parser.set_defaults(targets={**known, action.dest: Target(suffix, alone, several)})
 
 
-def fill_in(args: argparse.Namespace, several: bool = False) -> None:
+def fill_in(args: argparse.Namespace, several: bool) -> None:
     """Set what is not given; with several inputs a name without a suffix is that of a folder."""
     for option, target in args.targets.items():
         name = getattr(args, option) or (target.several if several else target.alone)

@@ -55,11 +55,9 @@ class LawRow:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One profile at one approach, or one load, by all laws, beside the boundary elements."""
+    """One profile at one approach, or one `load` [N], by all laws, beside the boundary elements."""
 
-    profile: PowerSumProfile | PolarProfile
     material: HalfSpace
-    approach: float | None
     load: float | None
     rows: tuple[LawRow, ...]
     reference: BemIndentation | None = None
@@ -145,7 +143,7 @@ def judge(
         # its tables of one grading are made once per process: no part of the time of a contact
         indent(PowerLawProfile(2.0, 1.0), material, 1.0, law="ellipse")
     rows = tuple(_row(law, profile, material, driven, reference, edge) for law in laws or _EVERY)
-    return Case(profile, material, approach, load, rows, reference, seconds)
+    return Case(material, load, rows, reference, seconds)
 
 
 def _row(

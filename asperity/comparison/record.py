@@ -188,8 +188,7 @@ class ComparisonRecord:
                 plan=tuple(about.pop("plan")),
                 overlap=float(about.pop("overlap")),
                 map_point=int(about.pop("map_point")),
-                maps=held.maps
-                | {name: held.maps[name].astype(bool) for name in ("bem", "asperity")},
+                maps=held.maps | {name: held.maps[name].astype(bool) for name in CONTACTS},
                 microcontacts=held.tables["microcontacts"],
                 about=about,
                 elastic=held.curves.get("elastic"),

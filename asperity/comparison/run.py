@@ -24,9 +24,15 @@ from asperity.results.storage import provenance, structured
 from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 
-from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, load_at_separation, rms
+from .other_grids import (
+    LOOSE_TOLERANCE,
+    coarse_grids,
+    coarse_run,
+    load_at_separation,
+    refined_run,
+    rms,
+)
 from .record import PARETO_TYPE
-from .refined_bem import refined_run
 from .result import Comparison
 
 __all__ = ["compare"]

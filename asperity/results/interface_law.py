@@ -39,8 +39,6 @@ _CALCULIX_NOTE = (
     "follow tables"
 )
 
-_COLUMNS = ("overclosure", "pressure", "lower", "upper", "stiffness", "conductance")
-
 
 @dataclass(frozen=True, eq=False)
 class InterfaceLaw:
@@ -191,15 +189,10 @@ class InterfaceLaw:
         ):
             if value not in known:
                 raise InputError(f"{name} is {value!r}; it must be one of {', '.join(known)}")
-        length, stress, thermal = UNITS[units]
-        scales = (length, stress, stress, stress, stress / length, thermal)
         most = _CALCULIX_ROWS if format == "calculix" else _ROWS
         count = len(self.pressure)
         rows = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-        table = {
-            name: getattr(self, name)[rows] * scale
-            for name, scale in zip(_COLUMNS, scales, strict=True)
-        }
+        table = {name: getattr(self, name)[rows] * scale for name, scale in _scales(units).items()}
         pressure = table[band]
         if np.isnan(pressure).any():
             raise InputError(f"the curve states no error: its law has no {band} band")
@@ -207,7 +200,7 @@ class InterfaceLaw:
         lines = [mark + text for text in self._told(units, band)]
         lines += [mark + _CALCULIX_NOTE] if format == "calculix" else []
         if format == "moose":
-            lines.append(",".join(_COLUMNS))
+            lines.append(",".join(table))
             columns = np.column_stack([*(table | {"pressure": pressure}).values()])
             lines += [",".join(f"{value:.10g}" for value in values) for values in columns]
         else:
@@ -237,7 +230,7 @@ class InterfaceLaw:
         try:
             if head is None:
                 raise ValueError("its first lines lack units and reference")
-            length, stress, thermal = UNITS[head[1]]
+            scales = _scales(head[1])
             if lines[0].startswith("*"):
                 ends = [i for i, line in enumerate(lines) if line.startswith("*")] + [len(lines)]
                 parts = [
@@ -248,9 +241,9 @@ class InterfaceLaw:
                 found = [parts[0][:, 1], parts[0][:, 0], nan, nan, nan, heat]
             else:
                 found = list(np.loadtxt(lines[1:], delimiter=",", unpack=True))
-            scales = (length, stress, stress, stress, stress / length, thermal)
-            named = zip(_COLUMNS, found, scales, strict=True)
-            columns = {name: column / scale for name, column, scale in named}
+            columns = {
+                name: column / scales[name] for name, column in zip(scales, found, strict=True)
+            }
             return cls(**columns, reference=float(head[2]), hardness=float(head[3]))
         except (ValueError, KeyError, IndexError) as error:
             raise FileFormatError(f"{path} is no interface law: {error}") from error
@@ -275,6 +268,13 @@ class InterfaceLaw:
         )
 
     __repr__ = __str__
+
+
+def _scales(units: str) -> dict[str, float]:
+    """The columns of a file in their order, and what one SI unit of each is in its units."""
+    length, stress, thermal = UNITS[units]
+    forces = dict.fromkeys(("pressure", "lower", "upper"), stress)
+    return {"overclosure": length, **forces, "stiffness": stress / length, "conductance": thermal}
 
 
 def _rising(pressure: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -26,20 +26,6 @@ __all__ = [
     "read_off",
 ]
 
-
-READ_FIELDS = (
-    "separation",
-    "mean_pressure",
-    "load",
-    "area_fraction",
-    "contact_area",
-    "contacts",
-    "stiffness",
-)
-"""Columns of a curve that can be read off between its points."""
-
-POINT_FIELDS = (*READ_FIELDS, "converged", "residual", "error_estimate")
-"""Columns that every curve has."""
 
 SLACK = 5e-3
 """Relative distance beyond the ends at which a curve can be evaluated: solved pressures differ from
@@ -84,6 +70,13 @@ class CurvePoint:
     def mean_contact_pressure(self) -> Any:
         """Load over contact area [Pa]; NaN where nothing touches."""
         return contact_pressure(self.load, self.contact_area)[()]
+
+
+READ_FIELDS = tuple(field.name for field in fields(CurvePoint))
+"""Columns of a curve that can be read off between its points."""
+
+POINT_FIELDS = (*READ_FIELDS, "converged", "residual", "error_estimate")
+"""Columns that every curve has."""
 
 
 def contact_pressure(load: ArrayLike, area: ArrayLike) -> NDArray[np.float64]:

@@ -43,6 +43,7 @@ __all__ = [
     "ResultFile",
     "columns",
     "flat_columns",
+    "json_text",
     "provenance",
     "read_about",
     "read_results",
@@ -140,7 +141,7 @@ def write_results(path: str | os.PathLike[str], results: ResultFile[Any]) -> Non
 
     with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:
         about = {"made": provenance()} | results.about
-        _write_text(file, {"schema": SCHEMA, "version": __version__, "about": _json(about)})
+        _write_text(file, {"schema": SCHEMA, "version": __version__, "about": json_text(about)})
         for name, curve in results.curves.items():
             _write_curve(file.create_group(f"curves/{name}"), curve)
         for name, table in results.tables.items():
@@ -223,7 +224,7 @@ def flat_columns(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 def _write_curve(group: h5py.Group, curve: Any) -> None:
     facts = {name: getattr(curve, name) for name in ATTRIBUTES}
-    _write_text(group, {k: v if isinstance(v, str) else _json(v) for k, v in facts.items()})
+    _write_text(group, {k: v if isinstance(v, str) else json_text(v) for k, v in facts.items()})
     for name in (*POINT_FIELDS, DERIVED):
         _write_array(group, name, getattr(curve, name))
     _write_array(group, "reasons", np.array(curve.reasons, np.str_))
@@ -294,8 +295,20 @@ def _recoded(
     return structured({k: _recoded(v, kind, convert) for k, v in columns(array).items()})
 
 
-def _json(value: Mapping[str, Any]) -> str:
+def json_text(value: Mapping[str, Any]) -> str:
+    """JSON of a mapping that may hold arrays; what JSON has no form for is told by its name.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from asperity.results.storage import json_text
+    >>> json_text({"load": np.array([1.0, np.nan]), "converged": np.True_})
+    '{"load": [1.0, NaN], "converged": true}'
+    """
+
     def plain(item: Any) -> Any:
+        if isinstance(item, Mapping):
+            return dict(item)
         return item.tolist() if isinstance(item, np.generic | np.ndarray) else str(item)
 
-    return json.dumps(dict(value), default=plain)
+    return json.dumps(value, default=plain)

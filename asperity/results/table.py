@@ -316,7 +316,7 @@ class CurveTable:
             left, right = figure.subplots(1, 2)
             self.plot("separation", "mean_pressure", left)
             self.plot(ax=right)
-            picture = image(figure, 100)
+            picture = image(figure)
         return (
             f"<div><p>{told}, {good} converged{notes}</p><table><thead><tr>{head}<th></th></tr>"
             f"</thead><tbody>{rows}</tbody></table>{picture}</div>"

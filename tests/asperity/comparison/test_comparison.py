@@ -9,7 +9,7 @@ import pytest
 from pages import Page
 
 import asperity
-from asperity.comparison.coarse_bem import coarse_grids, load_at_separation
+from asperity.comparison.other_grids import coarse_grids, load_at_separation
 from asperity.comparison.result import Comparison
 from asperity.errors import FileFormatError, InputError
 from asperity.model.plan import make_plan
