@@ -137,7 +137,7 @@ class RandomWaves:
     def _scale(self) -> float:
         """Amplitude of the discrete transform [m] for an unscaled amplitude of one."""
         count = self.shape[0] * (self.shape[1] // 2 + 1)
-        power = _folded(0, count, iter(parallel.each(self._power, list(_leaves(0, count)))))
+        power: float = sum(parallel.each(self._power, spans(count, _TILE)))
         _check(power > 0.0, "no wave lies between the cut-off and the size of the cell")
         _check(power < np.inf, f"anisotropy is {self.anisotropy}; no calculation holds such waves")
         return self._target / float(np.sqrt(power)) * (self.shape[0] * self.shape[1])
@@ -224,28 +224,6 @@ class RandomWaves:
             if n % 2 == 0:
                 amplitude[np.broadcast_to(wave == n // 2, k.shape)] = 0.0
         return amplitude
-
-
-def _leaves(first: int, last: int) -> Iterator[tuple[int, int]]:
-    """Parts of a range, halved as numpy halves an array to sum it."""
-    if last - first <= _TILE:
-        yield first, last
-    else:
-        yield from _leaves(first, _middle(first, last))
-        yield from _leaves(_middle(first, last), last)
-
-
-def _folded(first: int, last: int, sums: Iterator[float]) -> float:
-    """Sum of the `_leaves`, as numpy sums the whole: rounding does not depend on their size."""
-    if last - first <= _TILE:
-        return next(sums)
-    middle = _middle(first, last)
-    return _folded(first, middle, sums) + _folded(middle, last, sums)
-
-
-def _middle(first: int, last: int) -> int:
-    half = (last - first) // 2
-    return first + half - half % 8
 
 
 def checked_shape(shape: tuple[int, int]) -> tuple[int, int]:

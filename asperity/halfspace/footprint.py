@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import gamma, gammainc, hyp1f1
+from scipy.special import gamma, hyp1f1
 
 __all__ = ["FLOOR", "Footprints", "at_origin", "pair_table", "smooth_polynomials"]
 
@@ -170,22 +170,11 @@ def smooth_part(m: float, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], 
     -----
     Ewald split of q^(m-1) = 1/Gamma((1-m)/2) int_0^inf t^(-(1+m)/2) exp(-q^2 t) dt at t = eta^2/4.
     The smooth part has the symbol Lambda(q) Q((1-m)/2, q^2 eta^2 / 4) and the shape
-    f = C_m eta^-p x^(-a) P(a, x), a = p/2, with the incomplete gamma functions P and Q = 1 - P.
+    f = C_m eta^-p g_0, g_0 = x^(-a) P(a, x), a = p/2, with the incomplete gamma functions P and
+    Q = 1 - P. The derivatives of g_0 by x are g_k = (-1)^k 1F1(a+k; a+k+1; -x) / ((a+k) Gamma(a)).
     """
     a = (1 + m) / 2
-    near = x < 0.5
-    safe = np.where(near, 1.0, x)
-    edge = np.exp(-safe) / gamma(a)
-    g0 = safe ** (-a) * gammainc(a, safe)
-    g1 = (edge - a * g0) / safe
-    g2 = -((a + 1) * g1 + edge) / safe
-    series = [np.zeros_like(x) for _ in range(3)]
-    for k in range(24):
-        c = (-1) ** k / (math.factorial(k) * (a + k) * gamma(a))
-        for order, total in enumerate(series):
-            if k >= order:
-                total += c * math.perm(k, order) * x ** (k - order)
-    g0, g1, g2 = (np.where(near, s, g) for s, g in zip(series, (g0, g1, g2), strict=True))
+    g0, g1, g2 = ((-1) ** k / ((a + k) * gamma(a)) * hyp1f1(a + k, a + k + 1, -x) for k in range(3))
     edge = np.exp(-x) / gamma(a)
     first, second = -4 * (a * g1 + edge), 16 * (a * (a + 1) * g2 + (1 - a - x) * edge)
     return g0, first, second, 2 * g1, -8 * (a * g2 - edge)

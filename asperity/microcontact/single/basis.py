@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.transforms import kappa, moments
@@ -205,15 +205,10 @@ def _local_cubics(profile: PolarProfile) -> Array:
     The last segment is the parabola beyond the last radius R.
     """
     top = profile.radius
-    x = profile.r / top
-    f, slope = profile.f, profile.slope * top
-    width = np.diff(x)[:, None]
-    rise = np.diff(f, axis=0) / width
-    second = (3 * rise - 2 * slope[:-1] - slope[1:]) / width
-    third = (slope[:-1] + slope[1:] - 2 * rise) / width**2
-    end = np.stack([f[-1:], slope[-1:], f[-1:], np.zeros_like(f[-1:])], axis=1)
-    local = np.concatenate([np.stack([f[:-1], slope[:-1], second, third], axis=1), end])
-    c0, c1, c2, c3 = np.moveaxis(local, 1, 0)
+    x, f, slope = profile.r / top, profile.f, profile.slope * top
+    inside = CubicHermiteSpline(x, f, slope).c[::-1]
+    beyond = np.stack([f[-1:], slope[-1:], f[-1:], np.zeros_like(f[-1:])])
+    c0, c1, c2, c3 = np.concatenate([inside, beyond], axis=1)
     s = x[:, None]
     return np.stack(
         [

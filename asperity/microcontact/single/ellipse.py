@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 _ANGLES = 720
 """Angles at which the flags look at a contour."""
 
+_POINTS = 2880
+"""Points of a contour from which its radius is read."""
+
 _LAST = 0.5
 """Share of the last order of the contour that is taken: its orders alternate, and half of the last
 stands for it and those that follow (Euler)."""
@@ -45,7 +48,7 @@ def _state(
     best = search.optimum(search.first, approach)
     if best is None:
         return None
-    (a, b, turn, x, y), gap, one, widest = search.solved(best, approach)
+    ellipse, gap, one, widest = search.solved(best, approach)
     if not one.force > 0:
         return None
     if isinstance(profile, PowerLawProfile):
@@ -63,16 +66,17 @@ def _state(
     mean = float((1 + e1 + e2 + _LAST * e3).mean())
     if 0.5 < mean < 2:
         grown *= mean / grown.mean()
+    waves = np.fft.rfft(np.sqrt(grown) - 1)
+    waves[-1] /= 2
     return EllipseState(
         force=unit * one.force,
         stiffness=unit * one.force * power / approach,
-        area=float(np.pi * a * b * grown.mean()),
+        area=float(np.pi * ellipse.a * ellipse.b * grown.mean()),
         parts=tuple(
             unit * part for part in (one.lower, one.second, one.third, one.fourth, one.beyond)
         ),
-        axes=(a, b, turn),
-        centre=(x, y),
-        displacement=np.sqrt(grown) - 1,
+        ellipse=ellipse,
+        displacement=np.fft.irfft(waves, _POINTS) * (_POINTS / grown.size),
         widest=widest,
         coefs=coefs,
         misfit=gap.misfit / approach,

@@ -54,6 +54,12 @@ class Ellipse(NamedTuple):
         y = self.y + s * self.a * xi + c * self.b * eta
         return np.hypot(x, y), np.arctan2(y, x)
 
+    def coordinates(self, r: Array, phi: Array) -> tuple[Array, Array]:
+        """Scaled coordinates (xi, eta) of places, the inverse of `places`."""
+        x, y = r * np.cos(phi) - self.x, r * np.sin(phi) - self.y
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        return (c * x + s * y) / self.a, (c * y - s * x) / self.b
+
     def moved(self, step: Array) -> Ellipse:
         """Ellipse whose boundary is displaced by `step` over the first modes of `_MODES`."""
         step = np.append(step, [0.0] * (5 - len(step)))

@@ -6,19 +6,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ellipse.ellipse_operator import monomials, pressure_operator
 
 from .ellipse_expansion import DEGREE
-from .ellipse_search import SHARP
+from .ellipse_search import SHARP, Ellipse
 
 __all__ = ["EllipseState"]
 
 Array = NDArray[np.float64]
-
-_ANGLES = 2880
-"""Points of a contour from which its radius is read."""
 
 _DOUBTFUL = 0.5
 """Displacement of the contour, or ratio of the third- to the second-order force, beyond which the
@@ -43,12 +41,10 @@ class EllipseState:
     parts
         Force of the elliptic punch alone, its parts of second, third and fourth order, and the
         estimate of the rest [N].
-    axes
-        Semi-axes a, b [m] and the turn of a from the x axis [rad].
-    centre
-        Centre of the ellipse [m].
+    ellipse
+        Semi-axes a, b [m], the turn of a from the x axis [rad] and the centre [m].
     displacement
-        Contour over the ellipse minus 1 at equispaced parameters of the ellipse from 0, (n,).
+        Contour over the ellipse minus 1 at many equispaced parameters from 0, (n,).
     widest
         Largest displacement of the first-order contour.
     coefs
@@ -62,8 +58,7 @@ class EllipseState:
     stiffness: float
     area: float
     parts: tuple[float, ...]
-    axes: tuple[float, float, float]
-    centre: tuple[float, float]
+    ellipse: Ellipse
     displacement: Array
     widest: float
     coefs: Array
@@ -74,7 +69,7 @@ class EllipseState:
     def expected_error(self) -> float:
         """Relative error of the force to be expected: the next order, and what the fit misses."""
         _, second, third, fourth, beyond = (abs(part / self.force) for part in self.parts)
-        narrow = min(abs(np.log(self.axes[1] / self.axes[0])), 1.0)
+        narrow = min(abs(np.log(self.ellipse.b / self.ellipse.a)), 1.0)
         series = _BEYOND * beyond + _FOURTH * fourth + _THIRD * third
         series += (_SECOND + _FAR * self.widest**2) * second
         return float(series + _OPERATOR * narrow * self.misfit + self.residue)
@@ -98,30 +93,23 @@ class EllipseState:
         """The similar contact of a body r^k psi(phi) at `ratio` times the approach."""
         length = ratio ** (1 / k)
         force = ratio * length ** (1 + m)
-        a, b, turn = self.axes
+        a, b, turn, x, y = self.ellipse
         return replace(
             self,
             force=self.force * force,
             stiffness=self.stiffness * length ** (1 + m),
             area=self.area * length**2,
             parts=tuple(part * force for part in self.parts),
-            axes=(a * length, b * length, turn),
-            centre=(self.centre[0] * length, self.centre[1] * length),
+            ellipse=Ellipse(a * length, b * length, turn, x * length, y * length),
             coefs=self.coefs * ratio,
         )
 
     def boundary(self, phi: Array) -> Array:
         """Boundary a(phi) [m] about the summit."""
-        a, b, turn = self.axes
-        count = _ANGLES
-        t = 2 * np.pi * np.arange(count) / count
-        spectrum = np.fft.rfft(self.displacement) * (count / self.displacement.size)
-        spectrum[-1] /= 2
-        grown = 1 + np.fft.irfft(spectrum, count)
-        x, y = a * np.cos(t) * grown, b * np.sin(t) * grown
-        c, s = np.cos(turn), np.sin(turn)
-        x, y = self.centre[0] + c * x - s * y, self.centre[1] + s * x + c * y
-        angle, r = np.unwrap(np.arctan2(y, x)), np.hypot(x, y)
+        t = 2 * np.pi * np.arange(self.displacement.size) / self.displacement.size
+        grown = 1 + self.displacement
+        r, place = self.ellipse.places(grown * np.cos(t), grown * np.sin(t))
+        angle = np.unwrap(place)
         where = angle[0] + np.mod(phi - angle[0], 2 * np.pi)
         return np.asarray(np.interp(where, angle, r, period=2 * np.pi))
 
@@ -132,12 +120,13 @@ class EllipseState:
         minus its value at the edge, with rho measured to the displaced contour.
         """
         m = material.m
-        a, b, turn = self.axes
-        x, y = r * np.cos(phi) - self.centre[0], r * np.sin(phi) - self.centre[1]
-        c, s = np.cos(turn), np.sin(turn)
-        xi, eta = (c * x + s * y) / a, (c * y - s * x) / b
+        a, b = self.ellipse.a, self.ellipse.b
+        xi, eta = self.ellipse.coordinates(r, phi)
         t = np.arctan2(eta, xi)
-        rho = np.hypot(xi, eta) / (1 + self._displacement(t))
+        turn = np.linspace(0, 2 * np.pi, self.displacement.size + 1)
+        closed = np.append(self.displacement, self.displacement[0])
+        displacement = CubicSpline(turn, closed, bc_type="periodic")
+        rho = np.hypot(xi, eta) / (1 + displacement(np.mod(t, 2 * np.pi)))
         inside = rho < 1
         rho = np.where(inside, rho, 0.0)
         i, j = monomials(DEGREE)
@@ -149,10 +138,3 @@ class EllipseState:
         inner = edge * rho ** (i + j)[:, None]
         body = weights @ (inner - edge)
         return np.where(inside, body * (1 - rho**2) ** ((m - 1) / 2), 0.0)
-
-    def _displacement(self, t: Array) -> Array:
-        amplitudes = np.fft.rfft(self.displacement) / self.displacement.size
-        order = np.arange(amplitudes.size)
-        twice = np.where((order == 0) | (2 * order == self.displacement.size), 1.0, 2.0)
-        waves = np.exp(1j * np.multiply.outer(t, order))
-        return np.asarray((waves @ (twice * amplitudes)).real)

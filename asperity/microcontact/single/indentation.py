@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import minimum_filter
 
 from asperity.errors import INVALID, Flag, InputError
 from asperity.halfspace.material import HalfSpace
@@ -219,11 +220,8 @@ def _first(where: NDArray[np.bool_], r: Array) -> Array:
 
 def _second_summit(f: Array) -> float:
     """Lowest gap over a summit other than the origin, on the polar grid `f`; infinite if none."""
+    around = np.ones((3, 3))
+    around[1, 1] = 0.0
+    lowest = minimum_filter(f, footprint=around, mode="wrap")
     inner = f[1:-1]
-    lowest = np.ones(inner.shape, dtype=bool)
-    for down in (-1, 0, 1):
-        ring = f[1 + down : f.shape[0] - 1 + down]
-        for turn in (-1, 0, 1):
-            if down or turn:
-                lowest &= inner < np.roll(ring, turn, axis=1)
-    return float(np.min(inner[lowest], initial=np.inf))
+    return float(np.min(inner[inner < lowest[1:-1]], initial=np.inf))
