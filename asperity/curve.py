@@ -242,7 +242,9 @@ def _sweep(
     interacting = None
     for i in np.argsort(values if by_load else -values, kind="stable").tolist():
         value = float(values[i])
-        if decomposition.plan.sub_contact_law is not None and not by_load:
+        if last is not None and last.end_to_end:
+            point = last
+        elif decomposition.plan.sub_contact_law is not None and not by_load:
             point = point_at_separation(decomposition, value, last, bound)
         else:
             asked: Any = {"pressure" if by_load else "separation": value, "tolerance": bound}

@@ -40,6 +40,9 @@ MAX_TRIES = 12
 LOAD_ERROR = 5e-4
 """Relative error of the load that a separation may leave."""
 
+END_TO_END = "the contacts on the ridges of the lay are so long that they overlap end to end"
+"""Why a load point is refused, and all heavier ones with it."""
+
 
 @dataclass(frozen=True, eq=False)
 class LoadPoint:
@@ -66,6 +69,12 @@ class LoadPoint:
     def converged(self) -> bool:
         """Whether the point can be used."""
         return not self.reason
+
+    @property
+    def end_to_end(self) -> bool:
+        """Whether it is refused for long contacts that overlap, as they do under any heavier load:
+        none of these is solved, which may take minutes."""
+        return self.reason == END_TO_END
 
 
 def load_point(decomposition: Decomposition, state: PopulationState) -> LoadPoint:
@@ -155,7 +164,7 @@ def _refusal(decomposition: Decomposition, state: PopulationState, surface: Surf
         longer * surface.contact_area
         > plan.parameters.limits.long_area * decomposition.population.nominal_area
     ):
-        return "the contacts on the ridges of the lay are so long that they overlap end to end"
+        return END_TO_END
     return ""
 
 
