@@ -119,7 +119,7 @@ CORRECTIONS = {
     ),
     "widening": Correction(
         replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
-        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}._newton_kernels.widen"),
+        (f"{NEWTON}.contact_shift.widened",),
     ),
     "elongated footprints": Correction(
         "elongation",

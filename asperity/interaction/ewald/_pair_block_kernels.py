@@ -107,24 +107,6 @@ def set_powers(count, s, at, power):
         s[k + NEXT] = root * root
 
 
-@njit(inline="always")
-def set_reach(count, s, at, row, column, dy, dx, variance):
-    """S^2 and R of the pairs of a block, in the columns `at` and the next."""
-    for k in range(count):
-        both = variance[np.uint64(row[k])] + variance[np.uint64(column[k])]
-        s[k + at] = both
-        s[k + at + NEXT] = dy[k] * dy[k] + dx[k] * dx[k] + both + TINY
-
-
-@njit(inline="always")
-def set_doubt(count, s, row, column, reach, skew):
-    """Column `SKEW`, positive where a pair may differ from a round one by more than `NEGLIGIBLE`;
-    the column `reach` holds R."""
-    for k in range(count):
-        both = skew[np.uint64(row[k])] + skew[np.uint64(column[k])]
-        s[k + SKEW] = both - NEGLIGIBLE * s[k + reach]
-
-
 @inner(fastmath=FAST)
 def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
     """What listed pairs of footprints i, j (2, n), `away` (2, n) from each other, lack for not

@@ -24,15 +24,14 @@ from ._pair_block_kernels import (
     ONE,
     ROOT,
     SKEW,
+    TINY,
     VALUE,
     ZERO,
     floats,
     long_pairs,
     look,
     places,
-    set_doubt,
     set_powers,
-    set_reach,
     smooth,
     whole_lanes,
 )
@@ -156,8 +155,14 @@ def tangent_list(
                 e = np.uint64(ptr[i, 0])
         first = place - count
         lanes = whole_lanes(count)
-        set_reach(lanes, s, BOTH, row, column, dy, dx, variance)
-        set_doubt(lanes, s, row, column, ROOT, skew)
+        for k in range(lanes):
+            both = variance[np.uint64(row[k])] + variance[np.uint64(column[k])]
+            doubt = skew[np.uint64(row[k])] + skew[np.uint64(column[k])]
+            reach = dy[k] * dy[k] + dx[k] * dx[k] + both + TINY
+            s[k + BOTH] = both
+            s[k + ROOT] = reach
+            # positive where a pair may differ from a round one by more than NEGLIGIBLE
+            s[k + SKEW] = doubt - NEGLIGIBLE * reach
         set_powers(lanes, s, ROOT, power)
         for k in range(lanes):
             ci = min(variance[np.uint64(row[k])], cap)

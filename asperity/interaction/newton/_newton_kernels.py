@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
-from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
+from surfaces.numerics.compiled import QUOTIENTS, compiled
 
 TINY = 1e-200
 """Approach [m] below which a contact stays where it is."""
@@ -22,21 +20,6 @@ to 0.9 where the matrix is positive definite, 1.8 at most on random maps, 3 to 5
 equal summits is about to fill."""
 
 
-@njit(inline="always")
-def _bounded_shift(stiffness, approach, along_y, along_x, radii, modulus, power, limit):
-    """Shift (y, x) of a closed contact, bounded, and the height that it gains; the
-    formulas are those of `contact_shifts`."""
-    radius = power * stiffness / (2.0 * modulus)
-    square = radius * radius if power == 1.0 else radius ** (2.0 / power)
-    bend = square / (power * approach)
-    y = -bend * (radii[0] * along_y + radii[2] * along_x)
-    x = -bend * (radii[2] * along_y + radii[1] * along_x)
-    free = -0.5 * (along_y * y + along_x * x)
-    bound = 0.5 * limit * limit * power * approach
-    share = bound / (bound + free)
-    return share * y, share * x, share * free
-
-
 @compiled()
 def shift_contacts(
     force, stiffness, approach, tilt, radii, modulus, power, limit, gain, shift, moment
@@ -45,41 +28,19 @@ def shift_contacts(
     for i in range(force.size):
         y, x, rise = 0.0, 0.0, 0.0
         if force[i] > 0.0 and approach[i] > TINY:
-            y, x, rise = _bounded_shift(
-                stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], radii[i], modulus, power, limit
-            )
+            along_y, along_x = tilt[i, 0], tilt[i, 1]
+            radius = power * stiffness[i] / (2.0 * modulus)
+            square = radius * radius if power == 1.0 else radius ** (2.0 / power)
+            bend = square / (power * approach[i])
+            y = -bend * (radii[i, 0] * along_y + radii[i, 2] * along_x)
+            x = -bend * (radii[i, 2] * along_y + radii[i, 1] * along_x)
+            free = -0.5 * (along_y * y + along_x * x)
+            bound = 0.5 * limit * limit * power * approach[i]
+            share = bound / (bound + free)
+            y, x, rise = share * y, share * x, share * free
         gain[i] = rise
         shift[i, 0], shift[i, 1] = y, x
         moment[i, 0], moment[i, 1] = force[i] * y, force[i] * x
-
-
-@compiled()
-def widen(
-    force,
-    stiffness,
-    approach,
-    tilt,
-    radii,
-    modulus,
-    power,
-    limit,
-    area,
-    outgrown,
-    wider,
-    widest,
-    grown,
-):
-    """Contact areas beside the summits, `grown` where contacts have `outgrown` their paraboloids:
-    see `widened`."""
-    for i in range(force.size):
-        grown[i] = area[i]
-        if not (outgrown[i] and force[i] > 0.0 and approach[i] > TINY):
-            continue
-        y, x, _ = _bounded_shift(
-            stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], radii[i], modulus, power, limit
-        )
-        share = math.pi * power * power * (y * y + x * x) / area[i]
-        grown[i] = area[i] * (1.0 + wider * min(share, widest))
 
 
 @compiled(fastmath=QUOTIENTS)
@@ -103,22 +64,14 @@ def lag(force, stiffness, tilt, shift, next_shift, moved, gain):
 
 
 @compiled()
-def weigh(stiffness, residual, held):
-    """sum k (r - c)^2, c the mean of r weighted by k if the sum is held, else zero."""
-    square = 0.0
-    first = 0.0
-    total = 0.0
-    for i in range(residual.size):
-        moment = stiffness[i] * residual[i]
-        total += stiffness[i]
-        first += moment
-        square += moment * residual[i]
-    return max(square - first * first / total, 0.0) if held else square
+def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
+    """New `direction`: the preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its
+    sum zero if held, plus the old one times the sum of r z over the `last` such sum.
 
-
-@inner()
-def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
-    """`aim`, within compiled loops."""
+    `inverse` and `total` are E and K of `TwoLevelPreconditioner`, `far` (3, cells) is scratch.
+    Returns the sum of k (r - c)^2, c, the mean of r weighted by k if held, else zero, and the sum
+    of r z.
+    """
     count = total.size
     square = 0.0
     first = 0.0
@@ -160,17 +113,6 @@ def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
 
 
 @compiled()
-def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
-    """New `direction`: the preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its
-    sum zero if held, plus the old one times the sum of r z over the `last` such sum.
-
-    `inverse` and `total` are E and K of `TwoLevelPreconditioner`, `far` (3, cells) is scratch.
-    Returns what `weigh` does, the mean of r weighted by k if held, and the sum of r z.
-    """
-    return _aim(last, direction, residual, stiffness, cell, inverse, total, held, far)
-
-
-@compiled()
 def advance(
     product, direction, image, solution, residual, stiffness, cell, inverse, total, held, far
 ):
@@ -186,5 +128,5 @@ def advance(
     for i in range(solution.size):
         solution[i] += length * direction[i]
         residual[i] -= length * image[i]
-    after = _aim(product, direction, residual, stiffness, cell, inverse, total, held, far)
+    after = aim(product, direction, residual, stiffness, cell, inverse, total, held, far)
     return True, after

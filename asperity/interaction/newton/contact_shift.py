@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -55,9 +56,10 @@ def contact_shifts(
     smoothly by `LARGEST_SHIFT` a. Moments act on heights, not on each other's gradients.
     """
     gain, (aside, moment) = np.empty(len(approach)), np.empty((2, len(approach), 2))
-    read = _read(footprints, law, approach, tilt, radii)
+    body = footprints.modulus, footprints.power, LARGEST_SHIFT
+    tilt = np.ascontiguousarray(tilt)
     kernel: Any = _newton_kernels.shift_contacts
-    kernel(law.force, *read, gain, aside, moment)
+    kernel(law.force, law.stiffness, approach, tilt, radii, *body, gain, aside, moment)
     return gain, aside, moment
 
 
@@ -83,20 +85,7 @@ def widened(
     1.8 and 2.2 for m = -0.3, 0 and 0.3. It goes with (1 + m)^2: 1 + m times the shift over the
     radius is the fall of the field over the radius of the contact, over its approach.
     """
-    area = np.empty(len(approach))
-    read = _read(footprints, law, approach, tilt, radii)
-    kernel: Any = _newton_kernels.widen
-    kernel(law.force, *read, law.area, outgrown, WIDER, WIDEST, area)
-    return area
-
-
-def _read(
-    footprints: Footprints,
-    law: Evaluated,
-    approach: NDArray[np.float64],
-    tilt: NDArray[np.float64],
-    radii: NDArray[np.float64],
-) -> tuple[Any, ...]:
-    """What both kernels read beside the forces."""
-    body = footprints.modulus, footprints.power, LARGEST_SHIFT
-    return law.stiffness, approach, np.ascontiguousarray(tilt), radii, *body
+    _, aside, _ = contact_shifts(footprints, law, approach, tilt, radii)
+    square = math.pi * footprints.power**2 * np.sum(aside * aside, axis=1)
+    share = np.divide(square, law.area, out=np.zeros(len(square)), where=outgrown & (square > 0.0))
+    return np.asarray(law.area * (1.0 + WIDER * np.minimum(share, WIDEST)))

@@ -5,6 +5,7 @@ approaches with the laws at both ends, and a prediction put right before its fie
 from __future__ import annotations
 
 import copy
+import functools
 import math
 from typing import NamedTuple
 
@@ -59,15 +60,16 @@ def conjugate_gradients(
     far = np.empty((3, len(total)))
     system = stiffness, cell, inverse, total, held, far
     solution, residual, count = np.zeros(len(right)), right.copy(), 0
-    goal = tolerance**2 * _newton_kernels.weigh(stiffness, right, held)
+    direction = np.zeros(len(right))
+    aim = functools.partial(_newton_kernels.aim, math.inf, direction)
+    goal = tolerance**2 * aim(right, *system)[0]
     if start is not None and start.any():
         solution, count = start.copy(), 1
         image = matrix(start)
         residual -= image
         if held:
-            goal = max(goal, tolerance**2 * _newton_kernels.weigh(stiffness, image, held))
-    direction = np.zeros(len(right))
-    error, mean, product = _newton_kernels.aim(math.inf, direction, residual, *system)
+            goal = max(goal, tolerance**2 * aim(image, *system)[0])
+    error, mean, product = aim(residual, *system)
     while error > goal and count < limit:
         taken, after = _newton_kernels.advance(
             product, direction, matrix(direction), solution, residual, *system
