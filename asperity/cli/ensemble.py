@@ -95,9 +95,13 @@ def _members(args: argparse.Namespace) -> list[Surface]:
     if args.seeds is not None:
         if args.files or args.windows:
             raise InputError("--seeds are of a surface that is made: name no file and no --windows")
+        why = "--seeds are of a surface that is made, neither read nor prepared"
+        options.require_default(args, why, options.add_surface_options, "-")
         first, make = args.seed or 0, generator(args)
         seeds = range(first, first + args.seeds)
         return [Surface(f"{args.texture} {seed}", partial(make, seed=seed)) for seed in seeds]
+    why = "files are read, and no surface is made without --seeds"
+    options.require_default(args, why, add_generation)
     files, how = batch.expand(args.files), options.surface_choices(args)
     if args.windows is not None:
         return [member for file in files for member in _windows(file, how, args)]

@@ -197,6 +197,19 @@ def surface_choices(args: argparse.Namespace) -> argparse.Namespace:
     return argparse.Namespace(**{name: getattr(args, name) for name in sorted(names)})
 
 
+def require_default(
+    args: argparse.Namespace, why: str, add: Callable[..., None], *words: str
+) -> None:
+    """Refuse options of one kind that nothing would be done with, for a reason."""
+    given = [
+        f"--{name.replace('_', '-')}"
+        for name, default in vars(_defaults(add, *words)).items()
+        if name != "files" and getattr(args, name) != default
+    ]
+    if given:
+        raise InputError(f"{why}: leave out {', '.join(given)}")
+
+
 def _defaults(add: Callable[..., None], *words: str) -> argparse.Namespace:
     """Options of one kind as they are where none is given."""
     parser = argparse.ArgumentParser()

@@ -227,3 +227,15 @@ def test_report_of_something_else(folder, capsys):
     told = refusal(["report", "scan.h5"], capsys)
     assert "is a height map, no results file" in told and "asperity compare" in told
     assert "no such results file" in refusal(["report", "absent.h5"], capsys)
+
+
+@pytest.mark.parametrize(
+    ("more", "left_out"),
+    [
+        (["--seeds", "2", "--shape", "24", "--bandpass", "1um", "5um"], "--bandpass"),
+        (["--seeds", "2", "--shape", "24", "--crop", "0", "8", "0", "8"], "--crop"),
+        (["scan.h5", "--hurst", "0.3"], "--hurst"),
+    ],
+)
+def test_options_that_an_ensemble_would_not_heed_are_refused(more, left_out, capsys):
+    assert f"leave out {left_out}" in refusal(["ensemble", *more, *STEEL, "-o", "e/"], capsys)
