@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import os
-import reprlib
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "LARGEST",
     "LONGEST",
     "SHORTEST",
     "AsperityError",
@@ -31,10 +31,15 @@ __all__ = [
     "checked_range",
     "checked_spacing",
     "checked_span",
+    "shown",
 ]
 
 SHORTEST, LONGEST = 1e-40, 1e40
 """Lengths [m] between which the fourth power of every slope is a floating-point number."""
+
+LARGEST = 1e100
+"""Numbers up to this, and from its inverse on, have squares and powers that are floating-point
+numbers."""
 
 SLIMMEST = 1e3
 """Ratio of the pixel sizes beyond which one of them is in another unit: no instrument has it."""
@@ -63,14 +68,14 @@ def as_number(name: str, value: Any) -> float:
             raise TypeError
         return float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} is {_shortened(value)}; it must be a number") from None
+        raise InputError(f"{name} is {shown(value)}; it must be a number") from None
 
 
 def as_positive(name: str, value: Any) -> float:
     """The argument called `name` as a positive float, of which powers are floats, too."""
     number = as_number(name, value)
-    if not 1e-100 <= number <= 1e100:
-        raise InputError(f"{name} is {_shortened(value)}; it must be positive and finite")
+    if not 1 / LARGEST <= number <= LARGEST:
+        raise InputError(f"{name} is {shown(value)}; it must be positive and finite")
     return number
 
 
@@ -84,10 +89,10 @@ def as_numbers(name: str, values: Any, *, finite: bool = True) -> NDArray[np.flo
         array = np.ma.filled(given.astype(np.float64), np.nan)
     except (TypeError, ValueError, OverflowError):
         raise InputError(
-            f"{name} is {_shortened(values)}; it must be a number or an array of numbers"
+            f"{name} is {shown(values)}; it must be a number or an array of numbers"
         ) from None
     if finite and not np.isfinite(array).all():
-        raise InputError(f"{name} is {_shortened(values)}; it must be finite")
+        raise InputError(f"{name} is {shown(values)}; it must be finite")
     return np.asarray(array)
 
 
@@ -95,14 +100,14 @@ def as_count(name: str, value: Any, least: int) -> int:
     """The argument called `name` as a whole number, at least `least`."""
     number = as_number(name, value)
     if not (least <= number <= 2**53 and number == int(number)):
-        raise InputError(f"{name} is {_shortened(value)}; give a whole number, at least {least}")
+        raise InputError(f"{name} is {shown(value)}; give a whole number, at least {least}")
     return int(number)
 
 
-def _shortened(value: Any) -> str:
-    """What was given, on one line of a message."""
-    text = reprlib.repr(value)
-    return " ".join(text.split())
+def shown(value: Any) -> str:
+    """What was given, by a caller or a file, on one line of a message and short."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def as_path(path: str | os.PathLike[str]) -> Path:

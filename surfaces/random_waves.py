@@ -13,7 +13,7 @@ from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory, room_for
 from surfaces.numerics.stored_array import Sections, spans
 
-from .errors import LONGEST, SHORTEST, InputError, as_number, as_numbers
+from .errors import LONGEST, SHORTEST, InputError, as_count, as_number, as_numbers
 
 __all__ = ["RandomWaves", "checked_shape", "checked_size"]
 
@@ -230,9 +230,8 @@ def checked_shape(shape: tuple[int, int]) -> tuple[int, int]:
     """Numbers of points (ny, nx), each at least 3."""
     counts = as_numbers("shape", shape)
     _check(counts.shape == (2,), f"shape is {shape}; give the numbers of points (ny, nx)")
-    whole = bool(np.all((counts >= 3) & (counts == np.rint(counts))))
-    _check(whole, f"shape is {tuple(shape)}; give whole numbers from 3")
-    return int(counts[0]), int(counts[1])
+    ny, nx = (as_count("shape", count, 3) for count in counts.tolist())
+    return ny, nx
 
 
 def checked_size(size: tuple[float, float]) -> tuple[float, float]:

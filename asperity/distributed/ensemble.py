@@ -170,7 +170,7 @@ def windows_of(
     if sides.shape not in ((), (1,), (2,)):
         raise InputError(f"windows is {window}; give their side, or rows and columns, in points")
     ny, nx = (as_count("windows", side, 3) for side in np.broadcast_to(sides, 2).tolist())
-    if not (3 <= ny <= shape[0] and 3 <= nx <= shape[1]):
+    if ny > shape[0] or nx > shape[1]:
         raise InputError(f"windows of {ny} x {nx} points do not fit into {shape[0]} x {shape[1]}")
     places = [
         ((top, top + ny), (left, left + nx))
@@ -206,7 +206,7 @@ def _common(first: Job) -> NDArray[np.float64]:
     given: ArrayLike | None = first.settings.get("pressures")
     if given is None:
         given = default_pressures(load_map(first), first.material)
-    pressures = np.atleast_1d(as_numbers("pressures", given)).ravel()
+    pressures = as_numbers("pressures", given).ravel()
     if not (pressures > 0.0).all():
         raise InputError("the pressures of an ensemble must be positive")
     return pressures

@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from surfaces.errors import InputError
+from surfaces.errors import InputError, shown
 from surfaces.units import metres_per
 
 from ._damage import DAMAGED, brief
@@ -113,7 +113,7 @@ def header_of(
     if schema is None:
         tell(f' has no attribute schema; schema 1 files say "{SCHEMA}"', False)
     elif schema != SCHEMA:
-        tell(f" has schema {_shown(schema)}; this version reads {SCHEMA!r}")
+        tell(f" has schema {shown(schema)}; this version reads {SCHEMA!r}")
     history = _history(attributes.pop("history", None), tell)
     if any(fault.fatal for fault in faults):
         return None, faults
@@ -193,7 +193,7 @@ def _spacing(
     if values.dtype.kind in "fiu" and values.shape in ((), (1,), (2,)):
         dy, dx = (float(d) for d in np.broadcast_to(values, (2,)))
     if not (0 < dy < math.inf and 0 < dx < math.inf):
-        tell(f": spacing is {_shown(pixel)}; it must be two positive lengths in m")
+        tell(f": spacing is {shown(pixel)}; it must be two positive lengths in m")
     elif stated is not None and given is not None and not np.allclose((dy, dx), given, rtol=1e-9):
         tell(f" states spacing ({dy:.6g}, {dx:.6g}) m; leave out the other --spacing")
     return dy, dx
@@ -205,12 +205,12 @@ def _unit(stated: Any, given: str | None, tell: Tell, holds: str) -> str:
         tell(f" has no attribute unit; pass --unit (unit=...), such as um{holds}")
         return ""
     if not isinstance(unit, str):
-        tell(f": unit is {_shown(unit)}; it must be a name such as um")
+        tell(f": unit is {shown(unit)}; it must be a name such as um")
         return ""
     try:
         factor = metres_per(unit)
         if stated is not None and given is not None and metres_per(given) != factor:
-            tell(f" states unit {_shown(stated)}; leave out --unit {given}")
+            tell(f" states unit {shown(stated)}; leave out --unit {given}")
     except InputError as error:
         tell(f": unit {error}")
     return unit
@@ -222,7 +222,7 @@ def _periodic(stated: Any, tell: Tell) -> bool:
         return False
     value = np.asarray(stated)
     if value.size != 1 or value.dtype.kind not in "biu" or int(value.ravel()[0]) not in (0, 1):
-        tell(f": periodic is {_shown(stated)}; it must be true or false")
+        tell(f": periodic is {shown(stated)}; it must be true or false")
         return False
     return bool(value.ravel()[0])
 
@@ -238,12 +238,6 @@ def _history(stated: Any, tell: Tell) -> tuple[Mapping[str, Any], ...]:
         tell(": history is not a JSON list of steps; it is kept as text", False)
         return ({"step": "history", "text": str(stated)},)
     return tuple(steps)
-
-
-def _shown(value: Any) -> str:
-    """A value from a file, on one line and short."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def plain(value: Any) -> Any:

@@ -14,7 +14,7 @@ from asperity.errors import InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.microcontact.laws import require_law
-from surfaces.errors import as_numbers
+from surfaces.errors import LARGEST, as_numbers, shown
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import auto, circle, ellipse, hertz, ritz
@@ -36,10 +36,6 @@ SOLVERS: dict[str, Solver] = {
     "ritz": ritz.indent,
 }
 """Solution of one contact by each law."""
-
-_LARGEST = 1e100
-"""Approaches [m] and loads [N] larger than this, or smaller than its inverse, are refused: squares
-and powers of them are no floating-point numbers."""
 
 _STEPS = 60
 """Newton steps towards a load."""
@@ -237,9 +233,9 @@ def _finite(values: ArrayLike | None, name: str) -> Array:
     if array.ndim > 1:
         raise InputError(f"{name} has {array.ndim} axes; give a number or one axis of them")
     size = np.abs(array[array != 0])
-    if not array.size or np.any((size < 1 / _LARGEST) | (size > _LARGEST)):
+    if not array.size or np.any((size < 1 / LARGEST) | (size > LARGEST)):
         raise InputError(
-            f"{name} is {values!r}; give numbers from {1 / _LARGEST:g} to {_LARGEST:g}, or zero"
+            f"{name} is {shown(values)}; give numbers from {1 / LARGEST:g} to {LARGEST:g}, or zero"
         )
     return array
 
