@@ -149,7 +149,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
     """Link the pixels of plateaus; return the pixels that stand for plateaus that are peaks.
 
     A plateau with a way out drains through it, nearest exit first. A plateau without one is one
-    peak, at its member nearest to its centroid.
+    peak, at its member nearest to its centroid, of several the one with the highest neighbors.
     """
     queue = np.empty(flats.size, np.int64)
     at = np.zeros((flats.size, 2), np.int64)
@@ -178,12 +178,18 @@ def drain_plateaus(flat, shape, periodic, link, flats):
         for member in range(size):
             row += at[member, 0] / size
             col += at[member, 1] / size
-        best, least = 0, np.inf
+        best, least, highest = 0, np.inf, -np.inf
         for member in range(size):
             link[queue[member]] = FLAT
             away = (at[member, 0] - row) ** 2 + (at[member, 1] - col) ** 2
-            if away < least:
-                best, least = member, away
+            if away > least + 1e-6:
+                continue
+            around = 0.0
+            for k in range(8):
+                q = beside(queue[member], k, shape, periodic)
+                around += flat[q] if q >= 0 else -np.inf
+            if away < least - 1e-6 or around > highest:
+                best, least, highest = member, away, around
         queue[0] = queue[best]
         link[queue[0]] = -2 - queue[0]
         found[n_peaks] = queue[0]

@@ -199,15 +199,25 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
     points = np.concatenate(found)
     points = points[_level_steps(hm, points).all(axis=1)]
     of = slot[peaks.labels[tuple(points.T)]]
-    away = (points - tops[rows][of]).astype(float)
-    if hm.periodic:
-        away -= shape * np.round(away / shape)
-    count, square = np.maximum(np.bincount(of), 1), np.zeros(of.size)
-    for along in away.T:
-        square += (along - (np.bincount(of, along) / count)[of]) ** 2
+    square = np.zeros(of.size)
+    for along, period in zip(points.T, shape if hm.periodic else (None, None), strict=True):
+        square += _off_mean(along.astype(float), of, period) ** 2
     order = np.lexsort((square, of))
     flat, first = np.unique(of[order], return_index=True)
     return rows[flat], points[order[first]]
+
+
+def _off_mean(place: Array, of: NDArray[np.int64], period: int | None) -> Array:
+    """Distance along a map of points from the mean of those of the same group; in a periodic map
+    from the mean of what lies within half a period of the mean direction on a circle, wherever the
+    map begins."""
+    count = np.maximum(np.bincount(of), 1)
+    if period is not None:
+        turn = 2.0 * np.pi * place / period
+        sine, cosine = np.bincount(of, np.sin(turn)), np.bincount(of, np.cos(turn))
+        place = place - (np.arctan2(sine, cosine) * period / (2.0 * np.pi))[of]
+        place -= period * np.round(place / period)
+    return np.asarray(place - (np.bincount(of, place) / count)[of])
 
 
 def flat_share(hm: HeightMap) -> float:

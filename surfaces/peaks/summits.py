@@ -34,14 +34,17 @@ class Summits(SummitArrays):
     """
 
     def joined(self, pairs: NDArray[np.int64], floors: Array) -> Summits:
-        """Summits of which the basins of each pair, (k, 2), are one basin of the higher summit.
+        """Summits of which the basins of each pair, (k, 2), are one basin of the higher summit, of
+        equals that of the larger basin.
 
         The basins of a pair hang together above `floors` [m], shape (k,).
         """
         owner, floor = self.owner.copy(), self.floor.copy()
         pixels, border, valid = self.pixels.copy(), self.border.copy(), self.valid.copy()
         for (first, second), low in zip(pairs, floors, strict=True):
-            into, lost = sorted((owner[first], owner[second]), key=lambda i: -self.height[i])
+            into, lost = sorted(
+                (owner[first], owner[second]), key=lambda i: (-self.height[i], -pixels[i])
+            )
             if into == lost:
                 continue
             floor[into] = min(floor[into], floor[lost], low)

@@ -168,6 +168,23 @@ def test_equivalent_runs_agree(seed):
     assert over.max() < 0.1 and np.mean(found < 1e-3) > 0.6
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_plateaus_of_one_height_answer_as_mirrored(seed):
+    """Elements on a flat top overlap alike with a flat that hardly enters it, and its spline rings
+    there: which of them hang together must not follow from the order of the pixels."""
+    shape, size = (96, 80), (96.0, 80.0)
+    waves = surfaces.self_affine(
+        shape, size, hurst=0.8, rms_slope=0.1, cutoff=8.0, rolloff=40.0, seed=seed
+    )
+    z = np.minimum(waves.heights, np.quantile(waves.heights, 0.8))
+    hm = waves.replace(heights=z)
+    loads = np.array([1e-3, 1e-2, 0.1]) * pressure_scale(hm, BODY)
+    curve = asperity.contact_curve(hm, BODY, pressures=loads)
+    for heights in (z[::-1], z[:, ::-1], np.roll(z, (17, 31), (0, 1))):
+        other = asperity.contact_curve(hm.replace(heights=heights), BODY, pressures=loads)
+        assert differences(curve, other)[1] < 0.1
+
+
 def test_a_map_without_its_finest_waves_answers_as_moved():
     """The pixels of the longer waves are no whole number of those of the map."""
     same = []

@@ -32,6 +32,30 @@ def test_the_middle_of_a_disc_is_found_across_the_seam(shift):
     assert edges.min() > 7.0  # beyond the flat part
 
 
+@pytest.mark.parametrize("seed", [2, 5, 8])
+def test_the_middle_of_a_top_round_a_period_moves_with_the_map(seed):
+    """The flat top of half of the points is longer than half a period along both axes."""
+    waves = surfaces.self_affine(
+        (48, 60), (48.0, 60.0), hurst=0.8, rms_slope=0.1, cutoff=8.0, seed=seed
+    )
+    z = np.minimum(waves.heights, np.median(waves.heights))
+    found = []
+    for shift in ((0, 0), (11, 5), (31, 40), (7, 50)):
+        hm = waves.replace(heights=np.roll(z, shift, (0, 1)))
+        _, middle = flat_tops(hm, surfaces.segment(hm))
+        found.append(((middle - shift) % hm.shape).tolist())
+    assert found == found[:1] * 4 and len(found[0]) == 1
+
+
+def test_of_two_highest_pixels_that_with_the_higher_neighbors_is_the_peak():
+    heights = np.zeros((9, 12))
+    heights[4, 5:7] = 3.0
+    heights[3:6, 7] = 2.0  # beside the second
+    for turned in (heights, heights[:, ::-1]):
+        peaks = surfaces.segment(surfaces.HeightMap(turned, 1.0, periodic=True))
+        assert turned[peaks.row[0], peaks.col[0] + np.array([-1, 1])].sum() == 5.0
+
+
 def test_rounded_and_random_summits_are_none():
     hm = tables(False)
     peaks = surfaces.segment(hm)

@@ -59,10 +59,9 @@ def _flood(
 ):  # fmt: skip
     """Pixels of a basin above `level` that hang together with the pixel (row, col).
 
-    The surface falls by `tilt` [m] per pixel along y and x from `place` on.
-
-    Returns their number; 0 if they leave the window or reach points of no basin. The border of a
-    map that is not periodic ends them.
+    The surface falls by `tilt` [m] per pixel along y and x from `place` on. Returns their number;
+    0 if they leave the window or reach points of no basin. The border of a map that is not periodic
+    ends them.
     """
     ny, nx = heights.shape
     rows[0], cols[0] = row, col
@@ -138,7 +137,7 @@ def _sample(
     u0 = 0.5 * (box[0] + box[1]) - 0.5 * (nu - 1) * hu
     v0 = 0.5 * (box[2] + box[3]) - 0.5 * (nv - 1) * hv
     c, s = math.cos(turn), math.sin(turn)
-    best, first = 0.0, -1
+    best, nearest, first = 0.0, np.inf, -1
     for i in range(nv):
         for j in range(nu):
             u, v = u0 + j * hu, v0 + i * hv
@@ -155,8 +154,9 @@ def _sample(
             own = labels[row, col]
             if own >= 0 and owner[own] == peak:
                 gap[k] = depth - max(top - (expand(flat, width, y, x)[0] - fall), 0.0)
-                if gap[k] > best:
-                    best, first = gap[k], k
+                away = u * u + v * v  # all of a flat top are alike
+                if gap[k] > best or (gap[k] == best and away < nearest):
+                    best, nearest, first = gap[k], away, k
     if first < 0:
         return 0, 0, 0.0, 0.0, 0, u0, v0, 0
     stack[0], count, done, over = first, 1, 0, 0
