@@ -51,7 +51,6 @@ def test_reading_off_an_exponential_law_is_exact_between_points():
 
 
 def test_what_is_asked_for_comes_back():
-    """Pressure over separation and separation over pressure are two interpolations."""
     curve = power_law_curve()
     bent = dataclasses.replace(curve, separation=np.expm1(3e5 * curve.separation))
     asked = bent.separation[:-1] + 0.4 * np.diff(bent.separation)
