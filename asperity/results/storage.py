@@ -203,7 +203,7 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Any]) -> None:
     """
     columns = dict(flat_columns(columns))
     cells = ([_cell(value) for value in np.asarray(c).tolist()] for c in columns.values())
-    with replacing(path) as partial, open(partial, "w", newline="") as handle:
+    with replacing(path) as partial, open(partial, "w", newline="", encoding="utf-8") as handle:
         writer = csv.writer(handle)
         writer.writerow(columns)
         writer.writerows(zip(*cells, strict=True))

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+import subprocess
+import sys
 
 import h5py
 import numpy as np
@@ -260,3 +263,12 @@ def test_no_folder_to_write_into(tmp_path):
 def test_csv_holds_the_columns(tmp_path):
     write_csv(tmp_path / "c.csv", {"x": np.array([1.5, 2.0]), "n": np.array([1, 2])})
     assert (tmp_path / "c.csv").read_text().split() == ["x,n", "1.5,1", "2.0,2"]
+
+
+def test_csv_is_utf8_wherever_it_is_written(tmp_path):
+    """Reasons and names hold letters that the encoding of a plain C locale does not have."""
+    code = f"from asperity.results.storage import write_csv; write_csv({str(tmp_path / 'c')!r}, "
+    code += "{'reason': [chr(181) + 'm']})"
+    plain = os.environ | {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+    subprocess.run([sys.executable, "-c", code], env=plain, check=True)
+    assert (tmp_path / "c").read_text(encoding="utf-8").split() == ["reason", "\N{MICRO SIGN}m"]
