@@ -133,6 +133,8 @@ class ContactCurve(CurveTable):
         chosen = np.asarray(points)
         try:
             index = np.atleast_1d(np.arange(len(self))[chosen if chosen.size else []])
+            if index.ndim > 1:
+                raise IndexError
         except IndexError:
             raise InputError(
                 f"points are {points!r}; the load points are numbered 0 to {len(self) - 1}"

@@ -128,7 +128,7 @@ def test_points_are_selected_by_number_or_mask():
     assert len(curve.select(3)) == 1 and len(curve.select([])) == 0
 
 
-@pytest.mark.parametrize("points", [[12], [True, False], 1.5, "first"])
+@pytest.mark.parametrize("points", [[12], [True, False], 1.5, "first", [[0, 1]]])
 def test_points_that_are_none_are_refused(points):
     with pytest.raises(InputError, match="numbered 0 to 11"):
         power_law_curve().select(points)
