@@ -32,6 +32,9 @@ HEADLINE = (
 )
 """Columns of a curve whose values at the heaviest point that converged are told."""
 
+OF_ONE_RUN = ("model", "input", "boundary", "modulus", "m", "hardness")
+"""Facts of a run that another shares where it continues it."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactCurve(CurveTable):
@@ -150,8 +153,23 @@ class ContactCurve(CurveTable):
         """This curve followed by the points of a later run of the same model; times add up.
 
         Where tangents are known the stiffness is that of all points together. What one of the runs
-        did not find out, such as the difference that interaction makes, is NaN at its points.
+        did not find out, such as the difference that interaction makes, is NaN at its points; what
+        either warns of is kept, and the verification of one of them, which is not that of all, not.
+
+        Raises
+        ------
+        InputError
+            If they are of two models, maps or bodies.
         """
+        require_curve(later)
+        facts = [{**part.settings, "model": part.model} for part in (self, later)]
+        for name in OF_ONE_RUN:
+            one, other = (part.get(name) for part in facts)
+            if one != other:
+                raise InputError(
+                    f"a curve of {name} {one!r} is not continued by one of {name} {other!r}; join "
+                    "those of one model, map and body"
+                )
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)])
             for name in POINT_FIELDS
@@ -169,10 +187,14 @@ class ContactCurve(CurveTable):
                 extra["tangent_stiffness"],
                 columns["converged"],
             )
+        told = [part.settings.get("warnings", ()) for part in (self, later)]
+        settings = {**later.settings, "warnings": list(dict.fromkeys([*told[0], *told[1]]))}
+        settings.pop("verification", None)
         stages = dict.fromkeys([*self.seconds, *later.seconds])
         return dataclasses.replace(
             later,
             **columns,
+            settings=settings,
             extra=extra,
             reasons=self.reasons + later.reasons,
             seconds={k: self.seconds.get(k, 0.0) + later.seconds.get(k, 0.0) for k in stages},

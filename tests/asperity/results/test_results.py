@@ -144,6 +144,24 @@ def test_what_one_run_did_not_find_out_is_not_known_of_its_points():
         assert np.isnan(np.delete(found, np.arange(6)[known])).all()
 
 
+def test_a_curve_is_joined_to_a_later_one_of_the_same_run():
+    """What either warns of is kept; the verification of one is not that of all."""
+    facts = {"input": "map 1", "warnings": ["tilted", "rough"], "verification": {"met": True}}
+    first, second = (
+        dataclasses.replace(power_law_curve(3), settings={**facts, "warnings": warned})
+        for warned in (["tilted", "rough"], ["rough", "light"])
+    )
+    joined = first.joined(second)
+    assert joined.settings["warnings"] == ["tilted", "rough", "light"]
+    assert joined.verification is None and joined.settings["input"] == "map 1"
+    others = {"model": "bem"}, {"settings": {**facts, "input": "map 2"}}
+    for other in others:
+        with pytest.raises(InputError, match="is not continued by"):
+            first.joined(dataclasses.replace(second, **other))
+    with pytest.raises(InputError, match="a contact curve is needed, not int"):
+        first.joined(3)
+
+
 def test_file_gives_back_the_curve(tmp_path):
     curve = power_law_curve(broken=2)
     curve.to_hdf5(tmp_path / "r.h5")
