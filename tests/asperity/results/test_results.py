@@ -6,6 +6,7 @@ import dataclasses
 import os
 import subprocess
 import sys
+import threading
 
 import h5py
 import numpy as np
@@ -15,6 +16,7 @@ from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import ContactCurve, read_results
 from asperity.results.interpolation import POINT_FIELDS
 from asperity.results.storage import ResultFile, structured, write_csv, write_results
+from surfaces.files.atomic import replacing
 
 
 def power_law_curve(n: int = 12, *, broken: int | None = None) -> ContactCurve:
@@ -201,6 +203,18 @@ def test_an_interrupted_write_leaves_the_old_file(tmp_path):
         write_results(tmp_path / "r.h5", broken)
     assert len(ContactCurve.from_hdf5(tmp_path / "r.h5")) == 12
     assert [p.name for p in tmp_path.iterdir()] == ["r.h5"]
+
+
+def test_threads_that_write_one_file_leave_each_other_alone(tmp_path):
+    path = tmp_path / "c.csv"
+    with replacing(path) as part:
+        part.write_text("first")
+        other = threading.Thread(target=write_csv, args=(path, {"load": [1.0]}))
+        other.start()
+        other.join()
+        assert path.read_text().split() == ["load", "1.0"]
+    assert path.read_text() == "first"
+    assert [file.name for file in tmp_path.iterdir()] == ["c.csv"]
 
 
 def test_unreadable_results_are_one_sentence(tmp_path):
