@@ -199,8 +199,8 @@ def _stick_depth(
     scale = float(full.force)
     if np.any(rest < -1e-12 * scale):
         raise ModelRangeError(
-            f"the tangential force exceeds mu F = {scale:.4g} N times the friction coefficient: "
-            "the contact slides"
+            "the tangential force exceeds the friction coefficient times the normal force of "
+            f"{scale:.4g} N: the contact slides; give a smaller one"
         )
     sticks = rest > 1e-12 * scale
     depth = np.zeros(rest.shape)
