@@ -97,15 +97,13 @@ class CurveTable:
             object.__setattr__(self, name, array.astype(float if name != "converged" else bool))
         for name in (*READ_FIELDS, "error_estimate"):
             object.__setattr__(self, name, self._known(name, getattr(self, name)))
-        for name, values in self.extra.items():
+        object.__setattr__(self, "reasons", tuple(self.reasons) or ("",) * n)
+        others: dict[str, Any] = {**self.extra, "reasons": self.reasons}
+        for name, values in others.items():
             if np.shape(values)[:1] != (n,):
-                raise InputError(
-                    f"extra {name!r} has shape {np.shape(values)}; expected ({n}, ...)"
-                )
+                raise InputError(f"{name} has shape {np.shape(values)}; expected ({n}, ...)")
         extra = {name: self._known(name, np.asarray(found)) for name, found in self.extra.items()}
         object.__setattr__(self, "extra", extra)
-        if not self.reasons:
-            object.__setattr__(self, "reasons", ("",) * n)
 
     def __len__(self) -> int:
         return len(self.separation)

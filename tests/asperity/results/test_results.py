@@ -108,6 +108,12 @@ def test_reading_off_outside_the_curve_is_refused(question):
         power_law_curve().at(**question)
 
 
+def test_reasons_are_as_many_as_points():
+    assert dataclasses.replace(power_law_curve(2), reasons=["", "no"]).reasons == ("", "no")
+    with pytest.raises(InputError, match=r"reasons has shape \(1,\); expected \(2, ...\)"):
+        dataclasses.replace(power_law_curve(2), reasons=("no",))
+
+
 def test_columns_of_unequal_length_are_refused():
     with pytest.raises(InputError, match=r"load has shape \(3,\); expected \(2,\)"):
         ContactCurve(**{n: np.zeros(3 if n == "load" else 2) for n in POINT_FIELDS}, model="x")
