@@ -106,6 +106,12 @@ def test_csv_gives_back_every_number(judge, tmp_path):
             np.testing.assert_array_equal(back, values, err_msg=name)
 
 
+def test_a_file_gives_back_the_settings(curve, judge, tmp_path):
+    for one in (curve, judge):
+        one.to_hdf5(tmp_path / "r.h5")
+        assert ContactCurve.from_hdf5(tmp_path / "r.h5").settings == one.settings
+
+
 def test_dimensionless_columns_do_not_depend_on_units(hm, judge):
     """Lengths times s and stresses times t: the same contact."""
     large = hm.replace(heights=hm.heights * 1e3, spacing=tuple(1e3 * d for d in hm.spacing))
