@@ -14,8 +14,9 @@ from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.indentation import Indentation
-from asperity.results.curve import ContactCurve, require_curve
+from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import SLACK
+from asperity.results.table import require_curve
 from surfaces.errors import as_count, as_numbers, as_positive
 from surfaces.polar import PolarProfile, PowerSumProfile
 

@@ -17,9 +17,9 @@ from . import storage
 from .interface_law import InterfaceLaw
 from .interpolation import POINT_FIELDS, READ_FIELDS, CurvePoint, curve_stiffness, read_off
 from .storage import ResultFile, write_results
-from .table import CurveTable
+from .table import CurveTable, require_curve
 
-__all__ = ["ContactCurve", "at_heaviest", "read_results", "require_curve"]
+__all__ = ["ContactCurve", "at_heaviest", "read_results"]
 
 HEADLINE = (
     "mean_pressure",
@@ -303,16 +303,6 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile[ContactCurve]:
     ['asperity']
     """
     return storage.read_results(path, ContactCurve)
-
-
-def require_curve(curve: object) -> None:
-    """Refuse what is no contact curve, such as the run that holds one, and say what to give
-    instead."""
-    if not isinstance(curve, ContactCurve):
-        raise InputError(
-            f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "
-            "or run.curve of solve_contacts"
-        )
 
 
 def at_heaviest(curve: ContactCurve) -> dict[str, Any]:

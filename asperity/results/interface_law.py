@@ -17,7 +17,7 @@ from surfaces.errors import as_numbers
 from surfaces.files.atomic import replacing
 
 from .interpolation import READ_FIELDS, knots_of, read_off
-from .table import CurveTable
+from .table import CurveTable, require_curve
 
 __all__ = ["BANDS", "FORMATS", "UNITS", "InterfaceLaw"]
 
@@ -102,8 +102,8 @@ class InterfaceLaw:
         Raises
         ------
         InputError
-            If the curve has fewer than two converged points with load, or the conductance not one
-            number for each of its points.
+            If it is no curve, or has fewer than two converged points with load, or the conductance
+            not one number for each of its points.
 
         Notes
         -----
@@ -111,6 +111,7 @@ class InterfaceLaw:
         the lightest load the law runs to zero in a straight line with the stiffness there: where
         this line ends is overclosure 0.
         """
+        require_curve(curve)
         columns = {name: getattr(curve, name) for name in READ_FIELDS}
         good, loads = curve.converged, curve.mean_pressure
         usable = loads[knots_of(columns, good)]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-__all__ = ["CurveTable", "axis"]
+__all__ = ["CurveTable", "axis", "require_curve"]
 
 HOW_SOLVED = (
     "asked_pressure",
@@ -324,3 +324,13 @@ class CurveTable:
 def axis(name: str) -> tuple[str, float]:
     """Text and unit of the axis of a column."""
     return AXES.get(name, (name.replace("_", " "), 1.0))
+
+
+def require_curve(curve: object) -> None:
+    """Refuse what is no contact curve, such as the run that holds one, and say what to give
+    instead."""
+    if not isinstance(curve, CurveTable):
+        raise InputError(
+            f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "
+            "or run.curve of solve_contacts"
+        )

@@ -100,6 +100,11 @@ def test_unknown_choices_are_told(tmp_path, curve, choice, told):
         curve.to_interface_law().write(tmp_path / "law.inp", **choice)
 
 
+def test_a_law_is_of_a_curve():
+    with pytest.raises(asperity.InputError, match="a contact curve is needed, not float"):
+        asperity.InterfaceLaw.of(1e9)
+
+
 def test_what_is_no_law_is_refused(tmp_path):
     (tmp_path / "law.inp").write_text("*NODE\n1, 0, 0, 0\n")
     with pytest.raises(surfaces.FileFormatError, match="no interface law"):
