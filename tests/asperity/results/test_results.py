@@ -202,6 +202,22 @@ def test_tables_maps_and_facts_come_back(tmp_path):
         ContactCurve.from_hdf5(tmp_path / "r.h5")
 
 
+def test_a_file_that_is_read_and_written_is_the_same_to_the_byte(tmp_path):
+    """With its parts in their order, so that tables of a curve and of its file are alike."""
+    curve = dataclasses.replace(power_law_curve(), extra={"z": np.arange(12), "a": np.ones(12)})
+    held = ResultFile(
+        {"second": curve, "first": power_law_curve(broken=2)},
+        {"t": structured({"n": [1, 2], "word": ["µ", ""]}), "s": structured({"x": [0.5]})},
+        {"m": np.eye(3), "h": np.eye(3) > 0},
+    )
+    write_results(tmp_path / "1.h5", held)
+    back = read_results(tmp_path / "1.h5")
+    assert list(back.curves["second"].columns()) == list(curve.columns())
+    assert [*back.curves, *back.tables, *back.maps] == ["second", "first", "t", "s", "m", "h"]
+    write_results(tmp_path / "2.h5", back)
+    assert (tmp_path / "1.h5").read_bytes() == (tmp_path / "2.h5").read_bytes()
+
+
 def test_an_interrupted_write_leaves_the_old_file(tmp_path):
     power_law_curve().to_hdf5(tmp_path / "r.h5")
     broken = ResultFile(curves={"a": power_law_curve()}, tables={"bad": np.array([object()])})
