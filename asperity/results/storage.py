@@ -144,7 +144,7 @@ def write_results(path: str | os.PathLike[str], results: ResultFile[Any]) -> Non
         _write_text(file, {"schema": SCHEMA, "version": __version__, "about": json_text(about)})
         curves, tables, maps = (_ordered(file, part) for part in ("curves", "tables", "maps"))
         for name, curve in results.curves.items():
-            _write_curve(curves.create_group(name), curve)
+            _write_curve(curves.create_group(_storable_name(name)), curve)
         for name, table in results.tables.items():
             _write_array(tables, name, table)
         for name, array in results.maps.items():
@@ -245,7 +245,15 @@ def _write_text(group: h5py.Group, attributes: Mapping[str, str]) -> None:
 
 
 def _write_array(group: h5py.Group, name: str, array: ArrayLike, **packed: Any) -> None:
+    name = _storable_name(name)
     group.create_dataset(name, data=_storable(np.asarray(array)), fletcher32=True, **packed)
+
+
+def _storable_name(name: str) -> str:
+    """The name of a part of a file; others would be read as a path."""
+    if name in ("", ".") or "/" in name or "\0" in name:
+        raise InputError(f"{name!r} is no name in a results file; give one without /")
+    return name
 
 
 def _read_text(group: h5py.Group) -> dict[str, str]:

@@ -218,6 +218,15 @@ def test_a_file_that_is_read_and_written_is_the_same_to_the_byte(tmp_path):
     assert (tmp_path / "1.h5").read_bytes() == (tmp_path / "2.h5").read_bytes()
 
 
+@pytest.mark.parametrize("name", ["steel/glass", "", "."])
+def test_a_name_that_a_file_cannot_hold_is_refused(tmp_path, name):
+    """It would be written where it cannot be read."""
+    for odd in ({"model": name}, {"extra": {name: np.ones(12)}}):
+        with pytest.raises(InputError, match="is no name in a results file"):
+            dataclasses.replace(power_law_curve(), **odd).to_hdf5(tmp_path / "r.h5")
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_interrupted_write_leaves_the_old_file(tmp_path):
     power_law_curve().to_hdf5(tmp_path / "r.h5")
     broken = ResultFile(curves={"a": power_law_curve()}, tables={"bad": np.array([object()])})
