@@ -273,12 +273,11 @@ class CurveTable:
         look: dict[str, Any] = {"marker": "o", "markersize": 4, "label": self.model} | style
         (line,) = ax.plot(across, up, **look)
         shade: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "linewidth": 0}
-        if band and BANDS.get((y, x)) in held:
-            off = held[BANDS[y, x]][order]
-            ax.fill_between(across, up * np.maximum(1 - off, 0), up * (1 + off), **shade)
-        elif band and BANDS.get((x, y)) in held:
-            off = held[BANDS[x, y]][order]
-            ax.fill_betweenx(up, across * np.maximum(1 - off, 0), across * (1 + off), **shade)
+        for draw, given, told in ((ax.fill_between, x, y), (ax.fill_betweenx, y, x)):
+            if band and (stated := BANDS.get((told, given))) in held:
+                off = np.where(np.isfinite(held[stated]), held[stated], np.nan)[order]
+                place, value = (across, up) if told == y else (up, across)
+                draw(place, value * np.maximum(1 - off, 0), value * (1 + off), **shade)
         ax.set(xlabel=axis(x)[0], ylabel=axis(y)[0])
         if logarithmic(across):
             ax.set_xscale("log")

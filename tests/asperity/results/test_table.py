@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import warnings
 
 import h5py
 import matplotlib
@@ -104,6 +105,24 @@ def test_csv_gives_back_every_number(judge, tmp_path):
         if values.dtype.kind in "if":
             back = [float(row[name] or "nan") for row in rows]
             np.testing.assert_array_equal(back, values, err_msg=name)
+
+
+@pytest.mark.parametrize(
+    ("x", "y"), [("separation", "mean_pressure"), ("mean_pressure", "separation")]
+)
+def test_where_the_error_is_not_bounded_no_band_is_drawn(judge, x, y):
+    """And nothing is warned of, also where it is of no load."""
+    lightest = judge.mean_pressure == judge.mean_pressure.min()
+    odd = dataclasses.replace(
+        judge,
+        mean_pressure=np.where(lightest, 0.0, judge.mean_pressure),
+        error_estimate=np.where(lightest, np.inf, judge.error_estimate),
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ax = odd.plot(x, y, Figure().add_subplot())
+    (band,) = ax.collections
+    assert np.isfinite(np.concatenate([path.vertices for path in band.get_paths()])).all()
 
 
 def test_a_file_gives_back_the_settings(curve, judge, tmp_path):
