@@ -23,7 +23,7 @@ from asperity.model.load_point import (
     point_at_separation,
     spot_count,
 )
-from asperity.model.plan import Plan, interaction_needed, make_plan
+from asperity.model.plan import Plan, interaction_needed, make_plan, require_plan
 from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
@@ -180,8 +180,7 @@ def solve_loads(
     compile_ahead(*curve_parts(material.hardness))
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
-    elif not isinstance(plan, Plan):
-        raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
+    require_plan(plan)
     start = time.perf_counter() - plan.seconds
     scene = hm, material, kind, values, plan.parameters
     comparing = not plan.interaction and interaction_needed(*scene)[0]

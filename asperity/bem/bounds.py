@@ -33,12 +33,12 @@ def load_error(problem: ContactProblem, outcome: Outcome) -> float:
     -----
     A certificate e is relative to the rms height h, so that the level of the contact may be off
     by e h, and the load by the factor e h k with k = -d ln F/ds: that of the contact as it is,
-    or F/U (`_past_error`), whichever is larger. In full contact of a periodic cell, where no
-    load changes the separation, it is F/U.
+    or F/U (`_past_error`), whichever is larger. In full contact of a periodic cell no load changes
+    the separation: the load is off by what that prescribed is missed by.
     """
     now = outcome.stiffness * problem.level.heights.size / max(outcome.reading.total, 1e-300)
     now = _level_error(outcome) * now if math.isfinite(now) else 0.0
-    return max(_past_error(outcome), now)
+    return max(_past_error(problem, outcome), now)
 
 
 def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]:
@@ -67,7 +67,8 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     closes = _by_length(gap[~pressed] - reading.level, far)
     opening, closing = max(opens.max(), opens.sum() - closes.sum()), closes.max()
     leap = float(max(opening / max(pixels - opening, 1.0), closing / pixels))
-    return max(AREA_OVER_LOAD_ERROR * _past_error(outcome), leap) + 1.0 / pixels, 1.0 / pixels
+    grain = 1.0 / pixels
+    return max(AREA_OVER_LOAD_ERROR * _past_error(problem, outcome), leap) + grain, grain
 
 
 def _by_length(lengths: NDArray[np.float64], far: float) -> NDArray[np.int64]:
@@ -77,15 +78,19 @@ def _by_length(lengths: NDArray[np.float64], far: float) -> NDArray[np.int64]:
     return np.bincount(np.minimum(near.astype(np.int64), steps - 1), minlength=steps)
 
 
-def _past_error(outcome: Outcome) -> float:
+def _past_error(problem: ContactProblem, outcome: Outcome) -> float:
     """Relative error of the load by k = F/U, with the work done U = int_s F ds', elastic and
     plastic: an upper bound of k wherever it falls with the load, as it does at light loads of rough
-    surfaces and of every body that is blunt at its tip."""
-    total = outcome.reading.total
-    work = 0.5 * outcome.reading.moment + outcome.reading.plastic_work
+    surfaces and of every body that is blunt at its tip. That of the certificate in a periodic cell
+    that touches all over, pressed everywhere by more than the level is off."""
+    reading = outcome.reading
+    total, work = reading.total, 0.5 * reading.moment + reading.plastic_work
+    error = _level_error(outcome)
+    if problem.boundary == "periodic" and reading.weakest * problem.own > _DECIDED * error:
+        return reading.certificate.load
     if total == 0.0:
         return 0.0
-    return _level_error(outcome) * total / work if work > 0.0 else math.inf
+    return error * total / work if work > 0.0 else math.inf
 
 
 def _level_error(outcome: Outcome) -> float:

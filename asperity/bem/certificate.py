@@ -72,6 +72,8 @@ class Reading:
         Sum of pressure times plastic depth [m^2].
     block_low
         Lowest gap of each run of 64 points, -inf where there is pressure [m].
+    weakest
+        Smallest pressure if all points are under pressure, and all or none at the cap; or zero [m].
     """
 
     certificate: Certificate
@@ -83,6 +85,7 @@ class Reading:
     moment: float
     plastic_work: float
     block_low: NDArray[np.float64]
+    weakest: float = 0.0
 
 
 def certify(
@@ -154,4 +157,6 @@ def certify(
     )
     plastic_work = cap * (held * level - held_sum) if held else 0.0
     points = int(count + held), int(held)
-    return Reading(certificate, *points, level, scale, total, moment, plastic_work, block_low)
+    weakest = float(pressure[:, :nx].min()) if heights.size in (count, held) else 0.0
+    sums = total, moment, plastic_work
+    return Reading(certificate, *points, level, scale, *sums, block_low, weakest)

@@ -249,8 +249,8 @@ class ContactProblem:
             "boundary": self.boundary,
             "tolerance": self.tolerance,
             **self.material.facts,
-            "shape": self.hm.shape,
-            "spacing": self.hm.spacing,
+            "shape": list(self.hm.shape),
+            "spacing": list(self.hm.spacing),
             "threads": thread_count(),
         }
 

@@ -14,10 +14,10 @@ from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
-from asperity.errors import ConvergenceError, cautious, warn_once
+from asperity.errors import ConvergenceError, InputError, cautious, warn_once
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import checked_loads, default_pressures, map_facts
-from asperity.model.plan import Plan, make_plan
+from asperity.model.plan import Plan, make_plan, require_plan
 from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import provenance, structured
@@ -99,6 +99,10 @@ def compare(
     (2, True)
     """
     kind, values = checked_loads(hm, material, pressures, separations)
+    if plan is not None:
+        require_plan(plan)
+    if reference is not None and not callable(reference):
+        raise InputError(f"reference is {reference!r}; give what makes the curve, or None")
     loads: dict[str, Any] = {"pressures" if kind == "pressure" else "separations": values}
     chosen: dict[str, Any] = {
         "law": law,

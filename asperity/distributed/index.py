@@ -79,9 +79,11 @@ class Sweep:
         Raises
         ------
         InputError
-            If the job has no result.
+            If the job has no result, or there is no such job.
         """
-        found = self.table[row]
+        if row not in range(-len(self), len(self)):
+            raise InputError(f"row is {row!r}; the jobs are numbered 0 to {len(self) - 1}")
+        found = self.table[int(row)]
         if not found["file"]:
             raise InputError(f"job {row} ({found['surface']}) has no curve: {found['reason']}")
         return ContactCurve.from_hdf5(self.folder / str(found["file"]))

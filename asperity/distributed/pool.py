@@ -88,12 +88,18 @@ class Workers:
     """What workers a sweep asks for.
 
     So many processes, as many as the threads of their jobs leave processors for if None; or those
-    of the Dask scheduler at an address. Each job has so many threads.
+    of the Dask scheduler at an address. Each job has so many threads. Other numbers are refused.
     """
 
     count: int | None = None
     scheduler: str | None = None
     threads: int = 1
+
+    def __post_init__(self) -> None:
+        if self.count is not None:
+            count = as_count("the number of workers", self.count, 1)
+            object.__setattr__(self, "count", count)
+        object.__setattr__(self, "threads", as_count("the number of threads", self.threads, 1))
 
 
 @contextmanager
@@ -101,11 +107,7 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
     """Workers on Dask, or in a pool of processes where it is not installed; no more are started
     here than there are jobs. Refused if no scheduler answers, or Dask is needed and not
     installed."""
-    threads = as_count("the number of threads", on.threads, 1)
-    most = max(1, available() // threads)
-    if on.count is not None:
-        most = as_count("the number of workers", on.count, 1)
-    count = min(most, jobs)
+    count = min(on.count or max(1, available() // on.threads), jobs)
     method = _start_method() if on.scheduler is None else ""
     try:
         import dask

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.results.curve import ContactCurve, require_curve
+from asperity.results.curve import ContactCurve
+from asperity.results.table import require_curve
 from surfaces.errors import as_numbers, as_positive
 
 __all__ = ["constriction_conductance", "total_resistivity"]

@@ -14,8 +14,9 @@ from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.indentation import Indentation
-from asperity.results.curve import ContactCurve, require_curve
+from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import SLACK
+from asperity.results.table import require_curve
 from surfaces.errors import as_count, as_numbers, as_positive
 from surfaces.polar import PolarProfile, PowerSumProfile
 
@@ -199,8 +200,8 @@ def _stick_depth(
     scale = float(full.force)
     if np.any(rest < -1e-12 * scale):
         raise ModelRangeError(
-            f"the tangential force exceeds mu F = {scale:.4g} N times the friction coefficient: "
-            "the contact slides"
+            "the tangential force exceeds the friction coefficient times the normal force of "
+            f"{scale:.4g} N: the contact slides; give a smaller one"
         )
     sticks = rest > 1e-12 * scale
     depth = np.zeros(rest.shape)

@@ -63,8 +63,10 @@ class Relaxation:
         object.__setattr__(self, "times", tuple(times.tolist()))
 
     def __call__(self, t: ArrayLike) -> Array:
-        """E*_rel [Pa] at the times `t` [s] >= 0 after a step."""
-        time = np.asarray(t, dtype=float)
+        """E*_rel [Pa] at the times `t` [s] after a step; refused before it."""
+        time = as_numbers("t", t)
+        if np.any(time < 0):
+            raise InputError(f"t is {time.min():.4g} s; give times after the step, not negative")
         arms = (g * np.exp(-time / tau) for g, tau in zip(self.strengths, self.times, strict=True))
         return np.asarray(self.equilibrium + sum(arms))
 

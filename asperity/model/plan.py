@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.multiscale.sub_contact_law import SubContactLaw
 
-__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan", "peaks_above"]
+__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan", "peaks_above", "require_plan"]
 
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
@@ -268,6 +268,12 @@ def _require_usable(hm: HeightMap, material: HalfSpace) -> None:
         )
     if constant(hm):
         raise SurfaceError("the map is constant: a flat map has no peaks to touch")
+
+
+def require_plan(plan: object) -> None:
+    """Refuse what is no plan."""
+    if not isinstance(plan, Plan):
+        raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
 
 
 def interaction_needed(

@@ -17,9 +17,9 @@ from . import storage
 from .interface_law import InterfaceLaw
 from .interpolation import POINT_FIELDS, READ_FIELDS, CurvePoint, curve_stiffness, read_off
 from .storage import ResultFile, write_results
-from .table import CurveTable
+from .table import CurveTable, require_curve
 
-__all__ = ["ContactCurve", "at_heaviest", "read_results", "require_curve"]
+__all__ = ["ContactCurve", "at_heaviest", "read_results"]
 
 HEADLINE = (
     "mean_pressure",
@@ -31,6 +31,9 @@ HEADLINE = (
     "stiffness",
 )
 """Columns of a curve whose values at the heaviest point that converged are told."""
+
+OF_ONE_RUN = ("model", "input", "boundary", "modulus", "m", "hardness")
+"""Facts of a run that another shares where it continues it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,6 +136,8 @@ class ContactCurve(CurveTable):
         chosen = np.asarray(points)
         try:
             index = np.atleast_1d(np.arange(len(self))[chosen if chosen.size else []])
+            if index.ndim > 1:
+                raise IndexError
         except IndexError:
             raise InputError(
                 f"points are {points!r}; the load points are numbered 0 to {len(self) - 1}"
@@ -148,8 +153,23 @@ class ContactCurve(CurveTable):
         """This curve followed by the points of a later run of the same model; times add up.
 
         Where tangents are known the stiffness is that of all points together. What one of the runs
-        did not find out, such as the difference that interaction makes, is NaN at its points.
+        did not find out, such as the difference that interaction makes, is NaN at its points; what
+        either warns of is kept, and the verification of one of them, which is not that of all, not.
+
+        Raises
+        ------
+        InputError
+            If they are of two models, maps or bodies.
         """
+        require_curve(later)
+        facts = [{**part.settings, "model": part.model} for part in (self, later)]
+        for name in OF_ONE_RUN:
+            one, other = (part.get(name) for part in facts)
+            if one != other:
+                raise InputError(
+                    f"a curve of {name} {one!r} is not continued by one of {name} {other!r}; join "
+                    "those of one model, map and body"
+                )
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)])
             for name in POINT_FIELDS
@@ -167,10 +187,14 @@ class ContactCurve(CurveTable):
                 extra["tangent_stiffness"],
                 columns["converged"],
             )
+        told = [part.settings.get("warnings", ()) for part in (self, later)]
+        settings = {**later.settings, "warnings": list(dict.fromkeys([*told[0], *told[1]]))}
+        settings.pop("verification", None)
         stages = dict.fromkeys([*self.seconds, *later.seconds])
         return dataclasses.replace(
             later,
             **columns,
+            settings=settings,
             extra=extra,
             reasons=self.reasons + later.reasons,
             seconds={k: self.seconds.get(k, 0.0) + later.seconds.get(k, 0.0) for k in stages},
@@ -279,16 +303,6 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile[ContactCurve]:
     ['asperity']
     """
     return storage.read_results(path, ContactCurve)
-
-
-def require_curve(curve: object) -> None:
-    """Refuse what is no contact curve, such as the run that holds one, and say what to give
-    instead."""
-    if not isinstance(curve, ContactCurve):
-        raise InputError(
-            f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "
-            "or run.curve of solve_contacts"
-        )
 
 
 def at_heaviest(curve: ContactCurve) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from surfaces.errors import as_numbers
 from surfaces.files.atomic import replacing
 
 from .interpolation import READ_FIELDS, knots_of, read_off
-from .table import CurveTable
+from .table import CurveTable, require_curve
 
 __all__ = ["BANDS", "FORMATS", "UNITS", "InterfaceLaw"]
 
@@ -30,6 +30,9 @@ UNITS = {"SI": (1.0, 1.0, 1.0), "mm-N-MPa": (1e3, 1e-6, 1e-3)}
 _ROWS = 200
 """Rows of a law. Equal steps of the cube root of a pressure that rises exponentially keep the work
 best: straight lines between n rows are off by ``2.25 / n**2`` of it."""
+
+_LEAST_ERROR = 1e-6
+"""Error of a load that is stated to be less, next to nothing."""
 
 _CALCULIX_ROWS = 90
 """Rows for CalculiX, whose node-to-surface contact follows so many."""
@@ -99,8 +102,8 @@ class InterfaceLaw:
         Raises
         ------
         InputError
-            If the curve has fewer than two converged points with load, or the conductance not one
-            number for each of its points.
+            If it is no curve, or has fewer than two converged points with load, or the conductance
+            not one number for each of its points.
 
         Notes
         -----
@@ -108,13 +111,14 @@ class InterfaceLaw:
         the lightest load the law runs to zero in a straight line with the stiffness there: where
         this line ends is overclosure 0.
         """
+        require_curve(curve)
         columns = {name: getattr(curve, name) for name in READ_FIELDS}
         good, loads = curve.converged, curve.mean_pressure
         usable = loads[knots_of(columns, good)]
         if usable.size < 2:
             raise InputError("the curve has fewer than two converged points with load")
-        # the error and the conductance are read off as the stiffness is
-        told = {"error": curve.error_estimate}
+        # the error and the conductance are read off as the stiffness is, in its logarithm
+        told = {"error": np.maximum(curve.error_estimate, _LEAST_ERROR)}
         if conductance is not None:
             told["conductance"] = as_numbers("conductance", conductance, finite=False)
             if told["conductance"].shape != loads.shape:
@@ -142,8 +146,8 @@ class InterfaceLaw:
         return cls(
             overclosure=row(reference - point.separation),
             pressure=row(pressure),
-            lower=row(_rising(lower)),
-            upper=row(_rising(np.maximum.accumulate(upper))),
+            lower=row(np.minimum(_rising(lower, high), pressure)),
+            upper=row(np.maximum(_rising(np.maximum.accumulate(upper), high), pressure)),
             stiffness=row(point.stiffness, point.stiffness[0]),
             conductance=row(more.get("conductance", np.full(pressure.size, np.nan))),
             reference=reference,
@@ -277,10 +281,10 @@ def _scales(units: str) -> dict[str, float]:
     return {"overclosure": length, **forces, "stiffness": stress / length, "conductance": thermal}
 
 
-def _rising(pressure: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Pressures of which each exceeds the one before, as programs ask for, if by next to nothing:
-    a band may be zero, or stay at the hardness, over many rows."""
-    steps = 1e-9 * pressure[-1] * np.arange(1, pressure.size + 1)
+def _rising(pressure: NDArray[np.float64], high: float) -> NDArray[np.float64]:
+    """Pressures of which each exceeds the one before, as programs ask for, if by next to nothing
+    of the highest: a band may be zero, or stay at the hardness, over many rows."""
+    steps = 1e-9 * high * np.arange(1, pressure.size + 1)
     low = np.minimum.accumulate(pressure[::-1])[::-1]
     return np.asarray(low * (1.0 - 1e-9 * (pressure.size + 1)) + steps)
 

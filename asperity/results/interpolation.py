@@ -48,6 +48,10 @@ LARGEST_GAP = 2.5
 """Largest distance in the logarithm of pressure over which the tangents are integrated."""
 
 
+_HALVINGS = 60
+"""Steps of bisection, to the last digit."""
+
+
 @dataclass(frozen=True)
 class CurvePoint:
     """A contact curve evaluated at one or several places; arrays have the shape of the argument.
@@ -126,7 +130,7 @@ def read_off(
             f"{name} {asked[~inside].flat[0]:.4g} {unit} lies outside the converged curve, "
             f"{low:.4g} to {high:.4g} {unit}; add load points there"
         )
-    key = place if column == "mean_pressure" else PchipInterpolator(rising, log_p)(place)
+    key = place if column == "mean_pressure" else _inverse(log_p, rising, place)
 
     def read(name: str, in_log: bool) -> Any:
         values = np.asarray(columns[name], dtype=float)[order]
@@ -145,6 +149,23 @@ def read_off(
     if column != "mean_pressure":  # what was asked for comes back
         found[column] = asked[()]
     return CurvePoint(**found)
+
+
+def _inverse(
+    places: NDArray[np.float64], values: NDArray[np.float64], wanted: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Where the monotone cubics through rising values are as wanted, and as far beyond their ends
+    as the value is: by bisection, so that what was read off at a place leads back to it."""
+    from scipy.interpolate import PchipInterpolator
+
+    read = PchipInterpolator(places, values)
+    inside = np.clip(wanted, values[0], values[-1])
+    low, high = np.full(wanted.shape, places[0]), np.full(wanted.shape, places[-1])
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        below = read(middle) < inside
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return np.asarray(0.5 * (low + high) + (wanted - inside))
 
 
 def knots_of(

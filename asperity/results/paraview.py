@@ -87,6 +87,8 @@ def write_vti(
 
 def _vtk_array(name: str, field: ArrayLike) -> np.ndarray:
     """The field in native byte order and in a type that VTK knows."""
+    if not (isinstance(name, str) and name.isprintable()):
+        raise InputError(f"a field of an image is called {name!r}; give a name that can be printed")
     array = np.ascontiguousarray(field)
     if array.dtype.kind not in "biuf":
         raise InputError(f"the field {name!r} of an image must hold real numbers")

@@ -78,7 +78,8 @@ def run_resumably(
         done = with_earlier(solve(values[new], keep))
         count = np.count_nonzero(new)
         place[new] = len(done) - count + np.arange(count)
-    others = np.setdiff1d(np.arange(len(done)), place)
+    # a load asked for twice may be held twice: it is in the file as often as it is asked for
+    others = np.setdiff1d(np.arange(len(done)), [*place, *np.flatnonzero(held.any(axis=0))])
     write(done.select(np.append(place, others)))
     return done.select(place)
 

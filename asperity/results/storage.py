@@ -142,13 +142,14 @@ def write_results(path: str | os.PathLike[str], results: ResultFile[Any]) -> Non
     with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:
         about = {"made": provenance()} | results.about
         _write_text(file, {"schema": SCHEMA, "version": __version__, "about": json_text(about)})
+        curves, tables, maps = (_ordered(file, part) for part in ("curves", "tables", "maps"))
         for name, curve in results.curves.items():
-            _write_curve(file.create_group(f"curves/{name}"), curve)
+            _write_curve(curves.create_group(_storable_name(name)), curve)
         for name, table in results.tables.items():
-            _write_array(file, f"tables/{name}", table)
+            _write_array(tables, name, table)
         for name, array in results.maps.items():
             packed = {"compression": "gzip", "compression_opts": 3, "shuffle": True}
-            _write_array(file, f"maps/{name}", array, **packed)
+            _write_array(maps, name, array, **packed)
 
 
 def read_results(path: str | os.PathLike[str], kind: Callable[..., Curve]) -> ResultFile[Curve]:
@@ -203,7 +204,7 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Any]) -> None:
     """
     columns = dict(flat_columns(columns))
     cells = ([_cell(value) for value in np.asarray(c).tolist()] for c in columns.values())
-    with replacing(path) as partial, open(partial, "w", newline="") as handle:
+    with replacing(path) as partial, open(partial, "w", newline="", encoding="utf-8") as handle:
         writer = csv.writer(handle)
         writer.writerow(columns)
         writer.writerows(zip(*cells, strict=True))
@@ -228,8 +229,14 @@ def _write_curve(group: h5py.Group, curve: Any) -> None:
     for name in (*POINT_FIELDS, DERIVED):
         _write_array(group, name, getattr(curve, name))
     _write_array(group, "reasons", np.array(curve.reasons, np.str_))
+    extra = _ordered(group, "extra")
     for name, array in curve.extra.items():
-        _write_array(group, f"extra/{name}", array)
+        _write_array(extra, name, array)
+
+
+def _ordered(group: h5py.Group, name: str) -> h5py.Group:
+    """A new group within a group, whose parts are read back in the order in which they came."""
+    return group.create_group(name, track_order=True)
 
 
 def _write_text(group: h5py.Group, attributes: Mapping[str, str]) -> None:
@@ -238,7 +245,15 @@ def _write_text(group: h5py.Group, attributes: Mapping[str, str]) -> None:
 
 
 def _write_array(group: h5py.Group, name: str, array: ArrayLike, **packed: Any) -> None:
+    name = _storable_name(name)
     group.create_dataset(name, data=_storable(np.asarray(array)), fletcher32=True, **packed)
+
+
+def _storable_name(name: str) -> str:
+    """The name of a part of a file; others would be read as a path."""
+    if name in ("", ".") or "/" in name or "\0" in name:
+        raise InputError(f"{name!r} is no name in a results file; give one without /")
+    return name
 
 
 def _read_text(group: h5py.Group) -> dict[str, str]:

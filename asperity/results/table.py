@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-__all__ = ["CurveTable", "axis"]
+__all__ = ["CurveTable", "axis", "require_curve"]
 
 HOW_SOLVED = (
     "asked_pressure",
@@ -97,15 +97,13 @@ class CurveTable:
             object.__setattr__(self, name, array.astype(float if name != "converged" else bool))
         for name in (*READ_FIELDS, "error_estimate"):
             object.__setattr__(self, name, self._known(name, getattr(self, name)))
-        for name, values in self.extra.items():
+        object.__setattr__(self, "reasons", tuple(self.reasons) or ("",) * n)
+        others: dict[str, Any] = {**self.extra, "reasons": self.reasons}
+        for name, values in others.items():
             if np.shape(values)[:1] != (n,):
-                raise InputError(
-                    f"extra {name!r} has shape {np.shape(values)}; expected ({n}, ...)"
-                )
+                raise InputError(f"{name} has shape {np.shape(values)}; expected ({n}, ...)")
         extra = {name: self._known(name, np.asarray(found)) for name, found in self.extra.items()}
         object.__setattr__(self, "extra", extra)
-        if not self.reasons:
-            object.__setattr__(self, "reasons", ("",) * n)
 
     def __len__(self) -> int:
         return len(self.separation)
@@ -275,12 +273,11 @@ class CurveTable:
         look: dict[str, Any] = {"marker": "o", "markersize": 4, "label": self.model} | style
         (line,) = ax.plot(across, up, **look)
         shade: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "linewidth": 0}
-        if band and BANDS.get((y, x)) in held:
-            off = held[BANDS[y, x]][order]
-            ax.fill_between(across, up * np.maximum(1 - off, 0), up * (1 + off), **shade)
-        elif band and BANDS.get((x, y)) in held:
-            off = held[BANDS[x, y]][order]
-            ax.fill_betweenx(up, across * np.maximum(1 - off, 0), across * (1 + off), **shade)
+        for draw, given, told in ((ax.fill_between, x, y), (ax.fill_betweenx, y, x)):
+            if band and (stated := BANDS.get((told, given))) in held:
+                off = np.where(np.isfinite(held[stated]), held[stated], np.nan)[order]
+                place, value = (across, up) if told == y else (up, across)
+                draw(place, value * np.maximum(1 - off, 0), value * (1 + off), **shade)
         ax.set(xlabel=axis(x)[0], ylabel=axis(y)[0])
         if logarithmic(across):
             ax.set_xscale("log")
@@ -326,3 +323,13 @@ class CurveTable:
 def axis(name: str) -> tuple[str, float]:
     """Text and unit of the axis of a column."""
     return AXES.get(name, (name.replace("_", " "), 1.0))
+
+
+def require_curve(curve: object) -> None:
+    """Refuse what is no contact curve, such as the run that holds one, and say what to give
+    instead."""
+    if not isinstance(curve, CurveTable):
+        raise InputError(
+            f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "
+            "or run.curve of solve_contacts"
+        )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import stat
+import threading
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -45,7 +46,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         If either cannot be written; what stood at `path` is then untouched.
     """
     target = require_replaceable(path)
-    part = target.with_name(f".{zlib.crc32(os.fsencode(target.name)):x}.{os.getpid()}.part")
+    name, writer = zlib.crc32(os.fsencode(target.name)), f"{os.getpid()}-{threading.get_ident()}"
+    part = target.with_name(f".{name:x}.{writer}.part")
     try:
         part.touch()
         yield part

@@ -109,7 +109,7 @@ def test_partial_slip_refuses_what_it_cannot_do():
             SPHERE, HalfSpace.from_modulus(1.0, 0.1), 0.1, friction=0.3, modulus_ratio=1.0,
             displacement=0.1,
         )  # fmt: skip
-    with pytest.raises(ModelRangeError, match="the contact slides"):
+    with pytest.raises(ModelRangeError, match=r"normal force of [\d.]+ N: the contact slides"):
         partial_slip(SPHERE, body, 0.1, friction=0.3, modulus_ratio=1.0, tangential_force=1.0)
     with pytest.raises(InputError, match="either displacement or"):
         partial_slip(SPHERE, body, 0.1, friction=0.3, modulus_ratio=1.0)
@@ -117,6 +117,9 @@ def test_partial_slip_refuses_what_it_cannot_do():
 
 def test_maxwell_sphere_relaxes_and_creeps_as_known():
     maxwell = Relaxation(0.0, [4.0], [2.0])
+    for before in (-1e-9, [0.0, -1.0]):
+        with pytest.raises(InputError, match="times after the step"):
+            maxwell(before)
     t = np.linspace(0, 6, 13)
     held = viscoelastic_indent(SPHERE, maxwell, t, np.full(t.size, 0.01))
     np.testing.assert_allclose(held.force, 4 / 3 * 0.01**1.5 * 4 * np.exp(-t / 2), rtol=1e-12)

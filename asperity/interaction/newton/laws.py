@@ -105,11 +105,6 @@ class Laws:
         return self.store.nodes
 
     @property
-    def reach(self) -> NDArray[np.float64]:
-        """Approach [m] of the last node, shape (n,)."""
-        return self.store.reach[self.index]
-
-    @property
     def usable(self) -> NDArray[np.bool_]:
         """Contacts that can carry load, or whose law is not made yet, shape (n,)."""
         return self.store.usable[self.index]

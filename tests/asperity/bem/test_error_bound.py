@@ -139,7 +139,7 @@ def test_an_accuracy_is_held_on_the_grid_of_the_map(make, accuracy):
     loads = default_pressures(hm, BODY, 6)
     exact = bem_curve(hm, BODY, pressures=loads, tolerance=1e-8)
     curve = bem_curve(hm, BODY, pressures=loads, accuracy=accuracy)
-    assert curve.settings["shape"] == hm.shape
+    assert curve.settings["shape"] == list(hm.shape)
     load, area = errors(curve, exact)
     assert (area <= accuracy).all() and (load <= accuracy).all()
     assert (curve.error_estimate <= accuracy).all()
@@ -175,3 +175,36 @@ def test_one_solution_has_the_bounds_and_the_stiffness_of_a_curve(prescribed):
     told = curve.extra["area_error_estimate"][0]
     assert one.area_error_estimate == pytest.approx(told, rel=1e-6)
     assert f"bounds           load {100 * one.error_estimate:.2g} %" in str(one)
+
+
+@pytest.mark.parametrize("m", [0.0, 0.3, 0.6])
+def test_a_flat_map_touches_all_over_at_any_load(m):
+    """Its answer is exact in a periodic cell, though nothing is displaced and no work is done."""
+    hm = HeightMap(np.zeros((100, 130)), (1e-6, 1e-6), periodic=True)
+    loads = np.geomspace(1e-6, 1e8, 6)
+    curve = bem_curve(hm, HalfSpace.from_modulus(1e9, m), pressures=loads, accuracy=0.05)
+    assert curve.converged.all()
+    np.testing.assert_allclose(curve.area_fraction, 1.0, rtol=1e-12)
+    assert curve.error_estimate.max() < 1e-12
+    assert curve.extra["area_error_estimate"].max() < 1e-3
+
+
+def test_full_contact_is_told_from_nearly_full_contact():
+    """Of the former a load far beyond is known as that which closes the last gap; of the latter
+    the true errors stay within the bounds."""
+    hm = self_affine((48, 48), (48.0, 48.0), hurst=0.8, rms_slope=0.01, cutoff=8.0, seed=3)
+    deepest = np.fft.ifft2(np.fft.fft2(hm.heights) * _symbol(48)).real.min()
+    loads = -deepest * np.array([0.6, 0.9, 0.97, 0.99, 1.01, 1.1, 2.0, 100.0])
+    exact = bem_curve(hm, BODY, pressures=loads, tolerance=1e-9)
+    assert (exact.area_fraction > 1.0 - 1e-9).tolist() == [False] * 4 + [True] * 4
+    for tolerance in (0.1, 1e-2, 1e-3):
+        curve = bem_curve(hm, BODY, pressures=loads, tolerance=tolerance)
+        area = np.abs(curve.contact_area / exact.contact_area - 1.0)
+        assert (area <= curve.extra["area_error_estimate"]).all()
+        assert curve.error_estimate[-2:].max() < 1e-6
+
+
+def _symbol(n: int):
+    """Pressure of full contact over the height of each wave, for unit modulus and pixels."""
+    q = 2 * np.pi * np.fft.fftfreq(n)
+    return 0.5 * np.hypot(*np.meshgrid(q, q))

@@ -153,3 +153,12 @@ def test_reading_off_beyond_the_ends_is_log_linear(comparison):
     beyond = load_at_separation(curve, far)
     end = curve.mean_pressure.min()
     assert beyond[0] ** 2 == pytest.approx(beyond[1] * end, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"), [({"plan": "auto"}, "make one with"), ({"reference": 3}, "reference is 3")]
+)
+def test_what_is_no_plan_or_no_reference_is_refused_before_any_run(given, told):
+    hm = self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    with pytest.raises(InputError, match=told):
+        asperity.compare(hm, asperity.HalfSpace(210e9, 0.3), pressures=[1e8], **given)

@@ -108,6 +108,12 @@ def test_nothing_is_started_where_all_is_finished(here, maps, tmp_path, monkeypa
         == first.table.tobytes()
         == asperity.Sweep.read(tmp_path).table.tobytes()
     )
+    for change, told in (({"workers": 0}, "workers is 0"), ({"threads": 1.5}, "threads is 1.5")):
+        with pytest.raises(asperity.InputError, match=told):
+            asperity.sweep(files, STEEL, LOADS, folder=tmp_path, **change)
+    for row in (2, -3, "first", slice(1)):
+        with pytest.raises(asperity.InputError, match="numbered 0 to 1"):
+            second.curve(row)
 
 
 def test_a_damaged_result_is_made_again(here, maps, tmp_path):

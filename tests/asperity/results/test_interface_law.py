@@ -1,5 +1,6 @@
 """Interface laws: monotone, of the curve's work, read back, and run in CalculiX."""
 
+import dataclasses
 import functools
 import re
 import shutil
@@ -53,10 +54,23 @@ def test_the_law_read_back_has_the_work_of_the_curve(tmp_path, curve, hardness, 
     assert back.hardness == hardness
 
 
-def test_the_band_holds_the_law_and_rises_with_it(curve):
-    law = curve.to_interface_law()
+@pytest.mark.parametrize("error", [None, 0.0, 1e-12, 0.3, 1.5, "one exact", "at once loose"])
+@pytest.mark.parametrize("hardness", [np.inf, 4e9])
+def test_the_band_holds_the_law_and_rises_with_it(tmp_path, curve, error, hardness):
+    """Also of a curve known exactly, of one of which nothing is, and of one that turns loose."""
+    n = len(curve)
+    stated = {
+        None: curve.error_estimate,
+        "one exact": np.where(np.arange(n) == 3, 0.0, 0.1),
+        "at once loose": np.where(np.arange(n) < 9, 1e-3, 0.999),
+    }.get(error, np.full(n, error))
+    facts = curve.settings | ({"hardness": hardness} if hardness < np.inf else {})
+    law = dataclasses.replace(curve, error_estimate=stated, settings=facts).to_interface_law()
     assert (law.lower <= law.pressure).all() and (law.pressure <= law.upper).all()
-    assert (np.diff(law.lower) > 0).all() and (np.diff(law.upper) > 0).all()
+    assert (law.upper <= hardness).all()
+    for band in ("lower", "upper"):
+        law.write(tmp_path / "law", band=band)
+        assert (np.diff(asperity.InterfaceLaw.read(tmp_path / "law").pressure) > 0).all()
 
 
 def test_a_law_ends_where_no_gap_is_left():
@@ -84,6 +98,11 @@ def test_hardness_bounds_the_band_and_is_told(tmp_path):
 def test_unknown_choices_are_told(tmp_path, curve, choice, told):
     with pytest.raises(asperity.InputError, match=told):
         curve.to_interface_law().write(tmp_path / "law.inp", **choice)
+
+
+def test_a_law_is_of_a_curve():
+    with pytest.raises(asperity.InputError, match="a contact curve is needed, not float"):
+        asperity.InterfaceLaw.of(1e9)
 
 
 def test_what_is_no_law_is_refused(tmp_path):

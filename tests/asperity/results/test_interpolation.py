@@ -1,4 +1,4 @@
-"""Stiffness of a curve from its tangents and its separations."""
+"""What is read off a curve, and its stiffness from its tangents and its separations."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import pytest
 
 import asperity
 from asperity.halfspace.scene import pressure_scale
+from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness, log_ratio
 from surfaces import self_affine
 
@@ -83,3 +84,35 @@ def test_ratio_of_what_is_not_known_or_infinite_is_one_and_warns_of_nothing():
     """A contact without a stiffness, in full contact, and not solved."""
     found = log_ratio(np.ones(4), np.array([np.e, 0.0, np.inf, np.nan]))
     assert found[0] == pytest.approx(-1.0) and not found[1:].any()
+
+
+@pytest.mark.parametrize("question", ["separation", "area_fraction", "load"])
+def test_what_was_read_off_leads_back_to_the_pressure(question):
+    """Of few points the cubics of separation over load and of load over separation differ."""
+    pressure = np.array([1e6, 2e7, 5e7, 9e8, 1e9])
+    separation = np.array([9.0, 8.8, 5.0, 4.9, 1.0])
+    curve = made(pressure, separation)
+    asked = np.geomspace(1e6, 1e9, 101)
+    found = getattr(curve.at(pressure=asked), question)
+    back = curve.at(**{question: found})
+    np.testing.assert_allclose(back.mean_pressure, asked, rtol=1e-8)
+    np.testing.assert_array_equal(getattr(back, question), found)
+
+
+def made(pressure, separation):
+    """A curve of an area that grows with the pressure."""
+    n = len(pressure)
+    share = 1e-10 * pressure**0.9
+    return ContactCurve(
+        separation=separation,
+        mean_pressure=pressure,
+        load=2.0 * pressure,
+        area_fraction=share,
+        contact_area=2.0 * share,
+        contacts=np.ones(n),
+        stiffness=np.full(n, np.nan),
+        converged=np.ones(n, bool),
+        residual=np.zeros(n),
+        error_estimate=np.zeros(n),
+        model="made",
+    )

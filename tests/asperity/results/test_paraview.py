@@ -40,9 +40,12 @@ def test_no_pixel_size_is_refused(tmp_path, spacing):
         write_vti(tmp_path / "f.vti", {"p": np.ones((2, 3))}, spacing)
 
 
-@pytest.mark.parametrize("fields", [np.eye(3), {"a": np.eye(3) * 1j}, {"a": [["x", "y"]]}])
+@pytest.mark.parametrize(
+    "fields",
+    [np.eye(3), {"a": np.eye(3) * 1j}, {"a": [["x", "y"]]}, {1: np.eye(3)}, {"\0": np.eye(3)}],
+)
 def test_fields_without_names_or_numbers_are_refused(tmp_path, fields):
-    with pytest.raises(InputError, match=r"by name|must hold real numbers"):
+    with pytest.raises(InputError, match=r"by name|must hold real numbers|is called"):
         write_vti(tmp_path / "f.vti", fields, (1.0, 1.0))
 
 

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+import subprocess
+import sys
+import threading
 
 import h5py
 import numpy as np
@@ -12,6 +16,7 @@ from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import ContactCurve, read_results
 from asperity.results.interpolation import POINT_FIELDS
 from asperity.results.storage import ResultFile, structured, write_csv, write_results
+from surfaces.files.atomic import replacing
 
 
 def power_law_curve(n: int = 12, *, broken: int | None = None) -> ContactCurve:
@@ -51,7 +56,6 @@ def test_reading_off_an_exponential_law_is_exact_between_points():
 
 
 def test_what_is_asked_for_comes_back():
-    """Pressure over separation and separation over pressure are two interpolations."""
     curve = power_law_curve()
     bent = dataclasses.replace(curve, separation=np.expm1(3e5 * curve.separation))
     asked = bent.separation[:-1] + 0.4 * np.diff(bent.separation)
@@ -104,6 +108,12 @@ def test_reading_off_outside_the_curve_is_refused(question):
         power_law_curve().at(**question)
 
 
+def test_reasons_are_as_many_as_points():
+    assert dataclasses.replace(power_law_curve(2), reasons=["", "no"]).reasons == ("", "no")
+    with pytest.raises(InputError, match=r"reasons has shape \(1,\); expected \(2, ...\)"):
+        dataclasses.replace(power_law_curve(2), reasons=("no",))
+
+
 def test_columns_of_unequal_length_are_refused():
     with pytest.raises(InputError, match=r"load has shape \(3,\); expected \(2,\)"):
         ContactCurve(**{n: np.zeros(3 if n == "load" else 2) for n in POINT_FIELDS}, model="x")
@@ -126,7 +136,7 @@ def test_points_are_selected_by_number_or_mask():
     assert len(curve.select(3)) == 1 and len(curve.select([])) == 0
 
 
-@pytest.mark.parametrize("points", [[12], [True, False], 1.5, "first"])
+@pytest.mark.parametrize("points", [[12], [True, False], 1.5, "first", [[0, 1]]])
 def test_points_that_are_none_are_refused(points):
     with pytest.raises(InputError, match="numbered 0 to 11"):
         power_law_curve().select(points)
@@ -140,6 +150,24 @@ def test_what_one_run_did_not_find_out_is_not_known_of_its_points():
         found = one.joined(other).extra["interaction_difference"]
         np.testing.assert_array_equal(found[known], [0.1, 0.2, 0.3])
         assert np.isnan(np.delete(found, np.arange(6)[known])).all()
+
+
+def test_a_curve_is_joined_to_a_later_one_of_the_same_run():
+    """What either warns of is kept; the verification of one is not that of all."""
+    facts = {"input": "map 1", "warnings": ["tilted", "rough"], "verification": {"met": True}}
+    first, second = (
+        dataclasses.replace(power_law_curve(3), settings={**facts, "warnings": warned})
+        for warned in (["tilted", "rough"], ["rough", "light"])
+    )
+    joined = first.joined(second)
+    assert joined.settings["warnings"] == ["tilted", "rough", "light"]
+    assert joined.verification is None and joined.settings["input"] == "map 1"
+    others = {"model": "bem"}, {"settings": {**facts, "input": "map 2"}}
+    for other in others:
+        with pytest.raises(InputError, match="is not continued by"):
+            first.joined(dataclasses.replace(second, **other))
+    with pytest.raises(InputError, match="a contact curve is needed, not int"):
+        first.joined(3)
 
 
 def test_file_gives_back_the_curve(tmp_path):
@@ -174,6 +202,31 @@ def test_tables_maps_and_facts_come_back(tmp_path):
         ContactCurve.from_hdf5(tmp_path / "r.h5")
 
 
+def test_a_file_that_is_read_and_written_is_the_same_to_the_byte(tmp_path):
+    """With its parts in their order, so that tables of a curve and of its file are alike."""
+    curve = dataclasses.replace(power_law_curve(), extra={"z": np.arange(12), "a": np.ones(12)})
+    held = ResultFile(
+        {"second": curve, "first": power_law_curve(broken=2)},
+        {"t": structured({"n": [1, 2], "word": ["µ", ""]}), "s": structured({"x": [0.5]})},
+        {"m": np.eye(3), "h": np.eye(3) > 0},
+    )
+    write_results(tmp_path / "1.h5", held)
+    back = read_results(tmp_path / "1.h5")
+    assert list(back.curves["second"].columns()) == list(curve.columns())
+    assert [*back.curves, *back.tables, *back.maps] == ["second", "first", "t", "s", "m", "h"]
+    write_results(tmp_path / "2.h5", back)
+    assert (tmp_path / "1.h5").read_bytes() == (tmp_path / "2.h5").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["steel/glass", "", "."])
+def test_a_name_that_a_file_cannot_hold_is_refused(tmp_path, name):
+    """It would be written where it cannot be read."""
+    for odd in ({"model": name}, {"extra": {name: np.ones(12)}}):
+        with pytest.raises(InputError, match="is no name in a results file"):
+            dataclasses.replace(power_law_curve(), **odd).to_hdf5(tmp_path / "r.h5")
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_interrupted_write_leaves_the_old_file(tmp_path):
     power_law_curve().to_hdf5(tmp_path / "r.h5")
     broken = ResultFile(curves={"a": power_law_curve()}, tables={"bad": np.array([object()])})
@@ -181,6 +234,18 @@ def test_an_interrupted_write_leaves_the_old_file(tmp_path):
         write_results(tmp_path / "r.h5", broken)
     assert len(ContactCurve.from_hdf5(tmp_path / "r.h5")) == 12
     assert [p.name for p in tmp_path.iterdir()] == ["r.h5"]
+
+
+def test_threads_that_write_one_file_leave_each_other_alone(tmp_path):
+    path = tmp_path / "c.csv"
+    with replacing(path) as part:
+        part.write_text("first")
+        other = threading.Thread(target=write_csv, args=(path, {"load": [1.0]}))
+        other.start()
+        other.join()
+        assert path.read_text().split() == ["load", "1.0"]
+    assert path.read_text() == "first"
+    assert [file.name for file in tmp_path.iterdir()] == ["c.csv"]
 
 
 def test_unreadable_results_are_one_sentence(tmp_path):
@@ -261,3 +326,12 @@ def test_no_folder_to_write_into(tmp_path):
 def test_csv_holds_the_columns(tmp_path):
     write_csv(tmp_path / "c.csv", {"x": np.array([1.5, 2.0]), "n": np.array([1, 2])})
     assert (tmp_path / "c.csv").read_text().split() == ["x,n", "1.5,1", "2.0,2"]
+
+
+def test_csv_is_utf8_wherever_it_is_written(tmp_path):
+    """Reasons and names hold letters that the encoding of a plain C locale does not have."""
+    code = f"from asperity.results.storage import write_csv; write_csv({str(tmp_path / 'c')!r}, "
+    code += "{'reason': [chr(181) + 'm']})"
+    plain = os.environ | {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+    subprocess.run([sys.executable, "-c", code], env=plain, check=True)
+    assert (tmp_path / "c").read_text(encoding="utf-8").split() == ["reason", "\N{MICRO SIGN}m"]

@@ -7,7 +7,7 @@ import pytest
 
 import asperity.results.resume
 from asperity.errors import InputError
-from asperity.results.curve import ContactCurve
+from asperity.results.curve import ContactCurve, read_results
 from asperity.results.resume import run_resumably
 
 REQUEST = {"input": "abc", "law": "paper"}
@@ -120,6 +120,14 @@ def test_points_that_are_not_asked_for_stay_in_the_file(tmp_path):
         again = Solver()
         assert len(run_all(again, path, resume=True, loads=loads)) == len(loads)
         assert not again.solved
+
+
+def test_a_load_asked_for_twice_stays_twice_in_the_file(tmp_path):
+    path, loads = tmp_path / "r.h5", np.array([3.0, 1.0, 3.0])
+    for resume in (False, True, True):
+        whole = run_all(Solver(), path, resume=resume, loads=loads)
+        np.testing.assert_array_equal(whole.extra["iterations"], loads)
+        np.testing.assert_array_equal(read_results(path).curves["bem"].extra["iterations"], loads)
 
 
 def test_another_input_is_not_continued(tmp_path):
