@@ -198,6 +198,7 @@ def spectrum_of(waves: Density) -> Spectrum:
     table, rows, columns = np.zeros((4, 4)), np.zeros(ny), np.zeros(nx // 2 + 1)
     column = np.arange(nx // 2 + 1)
     weight = np.where((column == 0) | (2 * column == nx), 1.0, 2.0)
+    signed = 2 * np.arange(ny) != ny  # a wave of two pixels runs both ways
 
     def ring_sums(part: slice, density: Array) -> tuple[Array, Array, slice, Array, Array]:
         qy, qx = wave_numbers(waves, part)
@@ -207,7 +208,7 @@ def spectrum_of(waves: Density) -> Spectrum:
         logs = np.log(np.maximum(q, 0.5 * edges[0])).ravel()
         values = half, half * density.ravel(), half * logs
         rings = np.array([np.bincount(ring, v, len(edges) + 1) for v in values], np.float64)
-        table = _moment_table(qy, qx, density * weight / (size[0] * size[1]))
+        table = _moment_table(qy, qx, density * weight / (size[0] * size[1]), signed[part])
         return rings, table, part, np.asarray(density @ weight), density.sum(axis=0)
 
     for more, moments, part, along_y, along_x in over_rows(ring_sums, waves):
@@ -320,10 +321,11 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
     return max(over_rows(largest, waves))
 
 
-def _moment_table(qy: Array, qx: Array, power: Array) -> Array:
-    """Sums of powers 0, 1, 2, 4 of the wave numbers along y and x over the variances of modes."""
+def _moment_table(qy: Array, qx: Array, power: Array, signed: NDArray[np.bool_]) -> Array:
+    """Sums of powers 0, 1, 2, 4 of the wave numbers along y and x over the variances of modes; the
+    odd power along y of rows that are `signed`, as others hold both signs."""
     columns = np.stack([np.ones_like(qx), qx, qx**2, qx**4], axis=1)
-    rows = np.stack([np.ones_like(qy), qy, qy**2, qy**4], axis=0)
+    rows = np.stack([np.ones_like(qy), qy * signed, qy**2, qy**4], axis=0)
     return np.asarray(rows @ power @ columns)
 
 

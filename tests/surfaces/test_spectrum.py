@@ -47,6 +47,18 @@ def test_one_wave_has_its_moments(waves: tuple[int, int]) -> None:
     assert peak == pytest.approx(np.hypot(kx, ky), rel=0.25)
 
 
+@pytest.mark.parametrize("shape", [(44, 64), (45, 64), (44, 63)])
+def test_a_mirrored_map_has_the_mirrored_slopes(shape: tuple[int, int]) -> None:
+    """A wave of two pixels runs both ways: it adds nothing to the covariance of the slopes."""
+    hm = noise(*shape)
+    one, other = (
+        surfaces.power_spectrum(hm.replace(heights=z)).moments
+        for z in (hm.heights, hm.heights[::-1])
+    )
+    assert other.m11 == pytest.approx(-one.m11, abs=1e-12 * one.m20)
+    assert other.slope_ratio == pytest.approx(one.slope_ratio)
+
+
 def test_profiles_along_the_axes() -> None:
     hm = noise()
     k = 2 * np.pi * 6 / SIZE[1]
