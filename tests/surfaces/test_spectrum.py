@@ -116,6 +116,30 @@ def random_field(seed: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("periodic", [True, False])
+def test_a_fit_is_the_same_in_other_units_and_of_the_turned_map(periodic: bool) -> None:
+    """Waves on the limit of a ring, as of sides of 8 to 15, do not change it by rounding."""
+    rough = surfaces.self_affine(
+        (72, 96), (64e-6, 120e-6), hurst=0.7, rms_slope=0.1, rolloff=30e-6, cutoff=4e-6
+    )
+    heights, spacing = rough.heights, np.array(rough.spacing)
+    one, *others = (
+        (spectrum.edge * unit, surfaces.fit_spectrum(spectrum).hurst)
+        for unit, spectrum in (
+            (u, surfaces.power_spectrum(surfaces.HeightMap(u * z, u * d, periodic=periodic)))
+            for u, z, d in (
+                (1.0, heights, spacing),
+                (1e-6, heights, spacing),
+                (1e3, heights, spacing),
+                (1e12, heights, spacing),
+                (1.0, heights.T, spacing[::-1]),
+            )
+        )
+    )
+    for other in others:
+        assert other == pytest.approx(one, rel=1e-7)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
 def test_uncertainties_cover_the_truth(periodic: bool) -> None:
     """Whole periodic fields, and pieces cut out of them: two deviations hold six times in seven."""
     inside = 0
