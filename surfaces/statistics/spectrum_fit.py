@@ -200,7 +200,8 @@ def _described(
         kind = "sharp"
         cutoff = 2.0 * math.pi / spectrum.edge
         modes_off = 0.5 if spectrum.window == "none" else 1.5
-        cutoff_error = cutoff * modes_off * float(spectrum.qx[0]) / spectrum.edge
+        step = max(float(spectrum.qx[0]), float(spectrum.qy[0]))
+        cutoff_error = cutoff * modes_off * step / spectrum.edge
     elif parts[1]:
         kind = "fall" if parameters[-1] < parameters[1] else "floor"
         cutoff = float(2.0 * math.pi / (q[-1] * math.exp(parameters[-2])))

@@ -123,7 +123,11 @@ def test_a_fit_is_the_same_in_other_units_and_of_the_turned_map(periodic: bool) 
     )
     heights, spacing = rough.heights, np.array(rough.spacing)
     one, *others = (
-        (spectrum.edge * unit, surfaces.fit_spectrum(spectrum).hurst)
+        (
+            spectrum.edge * unit,
+            (fit := surfaces.fit_spectrum(spectrum)).hurst,
+            fit.cutoff_error / unit,
+        )
         for unit, spectrum in (
             (u, surfaces.power_spectrum(surfaces.HeightMap(u * z, u * d, periodic=periodic)))
             for u, z, d in (
