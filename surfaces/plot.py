@@ -181,18 +181,17 @@ def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     >>> len(figure.axes) > 0
     True
     """
-    lag_y, lag_x = correlation.lag_y, correlation.lag_x
     stride = thinning(correlation.value.shape)
+    lag_y, lag_x = correlation.lag_y[::stride], correlation.lag_x[::stride]
     value = correlation.value[::stride, ::stride]
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
     axes = figure.add_subplot()
-    extent = (lag_x[0], lag_x[-1], lag_y[0], lag_y[-1])
+    half_y, half_x = 0.5 * (lag_y[1] - lag_y[0]), 0.5 * (lag_x[1] - lag_x[0])
+    extent = (lag_x[0] - half_x, lag_x[-1] + half_x, lag_y[0] - half_y, lag_y[-1] + half_y)
     image = axes.imshow(
         value, origin="lower", extent=extent, cmap="RdGy_r", vmin=-1.0, vmax=1.0, aspect="equal"
     )
-    axes.contour(
-        lag_x[::stride], lag_y[::stride], value, levels=[THRESHOLD], colors=[_INK], linewidths=1.0
-    )
+    axes.contour(lag_x, lag_y, value, levels=[THRESHOLD], colors=[_INK], linewidths=1.0)
     bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
     figure.colorbar(image, cax=bar, label=f"correlation; line at {THRESHOLD:g}")
     for axis, label in ((axes.xaxis, "shift along x"), (axes.yaxis, "shift along y")):

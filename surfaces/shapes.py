@@ -136,17 +136,20 @@ def random_polygon(k: float = 1.0, *, sides: int = 7, seed: int = 0) -> PowerLaw
     """Body whose level lines are a random convex polygon: ``psi = max_j cos(phi-phi_j)/l_j``."""
     _sides(sides)
     rng = np.random.default_rng(seed)
-    normal = (np.arange(sides) + rng.uniform(-0.3, 0.3, sides)) * 2 * np.pi / sides
+    most = 0.3 if sides > 3 else 0.2  # less than half a turn between two faces: it is closed
+    normal = (np.arange(sides) + rng.uniform(-most, most, sides)) * 2 * np.pi / sides
     distance = rng.uniform(0.8, 1.2, sides)
 
     def psi(phi: Array) -> Array:
         faces = np.cos(np.subtract.outer(np.asarray(phi, float), normal)) / distance
         return np.asarray(faces.max(axis=-1) ** k)
 
-    x, y = np.cos(normal) / distance, np.sin(normal) / distance
-    dx, dy = x - np.roll(x, -1), y - np.roll(y, -1)
-    outwards = np.sign(dy * (x + np.roll(x, -1)) - dx * (y + np.roll(y, -1)))
-    return PowerLawProfile(k, psi, corners=tuple(np.arctan2(-dx * outwards, dy * outwards)))
+    from scipy.spatial import ConvexHull
+
+    # lines that meet in a corner of the polygon are points on a side of the hull of all of them
+    poles = np.stack([np.cos(normal), np.sin(normal)], axis=1) / distance[:, None]
+    x, y = ConvexHull(poles).equations[:, :2].T
+    return PowerLawProfile(k, psi, corners=tuple(np.arctan2(y, x)))
 
 
 def bent_body(*, curvature: float = 1.0, size: float = 1.0) -> PowerSumProfile:

@@ -10,7 +10,7 @@ from typing import ParamSpec
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
+from .errors import InputError, as_count
 from .heightmap import HeightMap
 from .random_waves import RandomWaves, checked_shape, checked_size
 
@@ -144,7 +144,8 @@ def redistribute(
     Raises
     ------
     InputError
-        If the map is not periodic or the quantiles are not finite and increasing.
+        If the map is not periodic, or constant, there is no iteration, or the quantiles are not
+        finite and increasing.
 
     References
     ----------
@@ -159,8 +160,11 @@ def redistribute(
     >>> f"{np.ptp(uniform.heights):.1e}"
     '1.0e-06'
     """
-    if not hm.periodic or hm.missing:
-        raise InputError("redistribute needs a periodic map without missing points")
+    if not hm.periodic or hm.missing or hm.rms_height == 0.0:
+        raise InputError(
+            "redistribute needs a periodic map without missing points, and not a constant one"
+        )
+    iterations = as_count("iterations", iterations, 1)
     n = hm.heights.size
     levels = np.asarray(quantile((np.arange(n) + 0.5) / n), float)
     if not (np.isfinite(levels).all() and (np.diff(levels) >= 0.0).all()):
@@ -169,7 +173,7 @@ def redistribute(
     amplitude *= levels.std() / hm.rms_height
     amplitude[0, 0] = abs(levels.sum())
     heights = hm.heights
-    for turn in range(max(1, iterations)):
+    for turn in range(iterations):
         if turn:
             phase = np.angle(np.fft.rfft2(heights))
             heights = np.fft.irfft2(amplitude * np.exp(1j * phase), s=hm.shape)

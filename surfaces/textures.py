@@ -200,6 +200,11 @@ def turned(
         raise InputError(f"roughness is {roughness}; it must be a height of at least 0 m")
     count = max(1, round(size[0] / feed))
     width = size[0] / count
+    if width > 2.0 * nose_radius:
+        raise InputError(
+            f"grooves that fit the cell are {width:g} m wide, more than twice the nose radius of "
+            f"{nose_radius:g} m; take another feed or size"
+        )
     y = (np.arange(shape[0]) + 0.5) * size[0] / shape[0]
     across = np.mod(y, width) - 0.5 * width
     groove = nose_radius - np.sqrt(nose_radius**2 - across**2)

@@ -72,7 +72,7 @@ QUANTITIES = {
 for memory), and an example. Length units have more spellings (`metres_per`)."""
 
 _WRITTEN = re.compile(
-    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*(\D.*?)?\s*", re.DOTALL
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*([^\d\s].*?)?\s*", re.DOTALL
 )
 
 
@@ -171,8 +171,8 @@ def metres_per(unit: str) -> float:
     """
     number, name = _QUANTITY.findall(unit.strip())[0]
     name = _ALIASES.get(name, name)
-    if name not in METRES and len(name) > 2:
-        plain = name.lower().removesuffix("s")
+    plain = name.lower().removesuffix("s")
+    if name not in METRES and len(plain) > 2:  # a word, not a symbol, of which the case matters
         name = _ALIASES.get(plain, plain)
     factor = float(number or 1.0)
     if name not in METRES or not 0.0 < factor < math.inf:

@@ -67,12 +67,12 @@ def _pair(values: Sequence[float] | None, option: str) -> tuple[float, float] | 
 def _info(args: argparse.Namespace) -> Mapping[str, Any]:
     if args.memory is None:
         hm = read_map(args.file, args)
-        row = _informed(args.file, hm, surfaces.describe(hm))
-        if args.report:
-            from surfaces.page import section
+        if not args.report:
+            return _informed(args.file, hm, surfaces.describe(hm))
+        from surfaces.page import section
 
-            args.sections.append(section(hm))
-        return row
+        args.sections.append(section(hm))
+        return _informed(args.file, hm, args.sections[-1].found)
     if args.report:
         raise InputError("--report draws the map and needs all of it; leave out --memory")
     spacing = _pair(args.spacing, "--spacing")

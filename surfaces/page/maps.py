@@ -7,10 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from surfaces.heightmap import HeightMap
-from surfaces.statistics.bearing import bearing_curve
-from surfaces.statistics.correlation import autocorrelation
-from surfaces.statistics.describe import describe
-from surfaces.statistics.spectrum import power_spectrum
+from surfaces.statistics.describe import Statistics, described
 
 from .figures import Figure
 from .render import write_html
@@ -30,8 +27,9 @@ __all__ = ["Section", "section", "write_page"]
 
 @dataclass(frozen=True)
 class Section:
-    """What the page tells of one map."""
+    """What the page tells of one map, and the numbers from which it does."""
 
+    found: Statistics
     name: str
     facts: dict[str, str]
     warnings: list[str]
@@ -42,15 +40,16 @@ class Section:
 
 def section(hm: HeightMap) -> Section:
     """Numbers, figures and history of one map."""
-    found = describe(hm)
+    found, curves = described(hm)
     figures = [
         surface_figure(hm),
-        correlation_figure(autocorrelation(hm)),
-        bearing_figure(bearing_curve(hm)),
+        correlation_figure(curves.correlation),
+        bearing_figure(curves.bearing),
     ]
-    if found.moments is not None:
-        figures.append(spectrum_figure(spectrum_lines(power_spectrum(hm), found.fit)))
+    if curves.spectrum is not None:
+        figures.append(spectrum_figure(spectrum_lines(curves.spectrum, found.fit)))
     return Section(
+        found=found,
         name=hm.name or "height map",
         facts=map_facts(hm),
         warnings=[*found.warnings, *preparation_warnings(hm.history)],

@@ -91,8 +91,8 @@ def segment(
         lambda: _merged(height, keys, tops, _lowest(hm, level), limit),
     )
     single = len(parallel.lines(hm.shape[0], hm.shape[0] * hm.shape[1])) == 1
-    apart: Any = map if single else parallel.each  # as the map repaid a thread or not
-    (pairs, passes), (saddle, parent, keeper) = apart(lambda part: part(), both)
+    run: Any = map if single else parallel.each  # as the map repaid a thread or not
+    (pairs, passes), (saddle, parent, keeper) = run(lambda part: part(), both)
     kept = np.flatnonzero(keeper == np.arange(summit.size))
     if kept.size < summit.size:
         place = np.full(summit.size + 1, -1, np.int32)

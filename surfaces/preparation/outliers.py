@@ -75,7 +75,7 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     spikes: Index = np.empty(0, np.int64)
     limit = threshold * _ninth_decile(hm, z) / _NINE_TENTHS + 1e-7
     for _ in range(_ROUNDS):
-        found = [_spikes(strip, limit, threshold) for strip in _strips(hm, z)]
+        found = [_spikes(strip, limit, threshold, hm.periodic) for strip in _strips(hm, z)]
         places, medians = (np.concatenate(part) for part in zip(*found, strict=True))
         fresh = ~np.isin(places, spikes)
         places, medians = places[fresh], medians[fresh]
@@ -94,7 +94,7 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
 
 
 class _Strip(NamedTuple):
-    """Roughness of a block of rows, and of those about it that belong to the map.
+    """Roughness of a block of rows, and of those about it, across the seam of a periodic map.
 
     Attributes
     ----------
@@ -117,11 +117,11 @@ def _strips(hm: HeightMap, z: Source) -> Iterator[_Strip]:
     """The map in parts; `z` are its heights without gaps and spikes."""
     ny = hm.shape[0]
     for begin, end, rows in windows(hm.source):
-        low, high = max(0, begin - _AROUND // 2), min(ny, end + _AROUND // 2)
-        first, last = low - _REACH, high + _REACH
-        if not hm.periodic or end - begin == ny:
-            first, last = max(0, first), min(ny, last)
-        part = rows_around(z, first, last, hm.periodic)
+        low, high = begin - _AROUND // 2, end + _AROUND // 2
+        if not hm.periodic:
+            low, high = max(0, low), min(ny, high)
+        first = low - _REACH if hm.periodic else max(0, low - _REACH)
+        part = rows_around(z, first, high + _REACH, hm.periodic)
         median = _median(part, hm.periodic)
         rough = part - median
         rough = np.abs(rough - _median(rough, hm.periodic))
@@ -143,9 +143,12 @@ def _ninth_decile(hm: HeightMap, z: Source) -> float:
     return float(low + share * (high - low) if share < 0.5 else high - (1 - share) * (high - low))
 
 
-def _spikes(strip: _Strip, limit: float, threshold: float) -> tuple[Index, Array]:
+def _spikes(strip: _Strip, limit: float, threshold: float, periodic: bool) -> tuple[Index, Array]:
     """Places of the points of a block that stand out, and the medians about them."""
-    around = cv2.blur(np.minimum(strip.rough, limit), (_AROUND, _AROUND)) / _MEAN
+    half = _AROUND // 2
+    rough, sides = np.minimum(strip.rough, limit), ((0, 0), (half, half))
+    rough = np.pad(rough, sides, "wrap") if periodic else np.pad(rough, sides, "reflect")
+    around = cv2.blur(rough, (_AROUND, _AROUND))[:, half:-half] / _MEAN
     stand_out = strip.rough > np.maximum(limit, threshold * around)
     places = np.flatnonzero(stand_out[strip.block] & ~np.isnan(strip.rows))
     return places + strip.begin * strip.rows.shape[1], strip.median[strip.block].ravel()[places]

@@ -80,9 +80,11 @@ class BearingCurve:
         part = slice(start, start + span + 1)
         weight = np.ones(span + 1)
         weight[[0, -1]] = np.sqrt(0.5)  # as in an integral: ends count half
-        slope, level = np.polyfit(self.ratio[part], self.height[part], 1, w=weight)
-        top, bottom = float(level), float(level + slope)
-        smr1, smr2 = self.ratio_at(top), self.ratio_at(bottom)
+        middle = self.height[start + span // 2]  # a core of one height is fitted without rounding
+        slope, level = np.polyfit(self.ratio[part], self.height[part] - middle, 1, w=weight)
+        top, bottom = float(middle + level), float(middle + level + slope)
+        smr1 = float(np.interp(top, self.height[::-1], self.ratio[::-1]))  # none of what is level
+        smr2 = self.ratio_at(bottom)
         hills, dales = self._above(top), self._below(bottom)
         return {
             "Sk": top - bottom,

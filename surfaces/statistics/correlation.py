@@ -155,7 +155,7 @@ def texture(correlation: Autocorrelation) -> Texture:
     lag_y, lag_x, value = correlation.lag_y, correlation.lag_x, correlation.value
     dy, dx = lag_y[1] - lag_y[0], lag_x[1] - lag_x[0]
     reach = min(lag_y[-1], lag_x[-1])
-    steps = np.arange(0.0, reach, 0.5 * min(dy, dx))
+    steps = np.linspace(0.0, reach, 1 + round(2.0 * reach / min(dy, dx)))
     angles = np.arange(_ANGLES) * np.pi / _ANGLES
     rows = (np.outer(np.sin(angles), steps) - lag_y[0]) / dy
     columns = (np.outer(np.cos(angles), steps) - lag_x[0]) / dx

@@ -43,6 +43,14 @@ class Density:
     hann: bool
     values: Source = field(repr=False)
 
+    @property
+    def weight(self) -> Array:
+        """Waves that a mode of each column stands for, (nx // 2 + 1,): of q and -q, one where the
+        column holds both."""
+        count = self.source.shape[1]
+        column = np.arange(count // 2 + 1)
+        return np.where((column == 0) | (2 * column == count), 1.0, 2.0)
+
     def along(self, axis: int) -> Array | None:
         """Mean density [m^3] of windowed profiles along an axis; None if there is no window."""
         if not self.hann:

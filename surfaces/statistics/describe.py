@@ -7,23 +7,24 @@ import json
 import math
 import os
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from surfaces.checks import tilt_warning
 from surfaces.errors import SurfaceError, as_path
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.roughness import unit_warning
 
-from .bearing import bearing_curve
-from .correlation import Texture, autocorrelation, texture
+from .bearing import BearingCurve, bearing_curve
+from .correlation import Autocorrelation, Texture, autocorrelation, texture
 from .density import density_of
 from .differences import differences
 from .features import FEATURES, features
 from .heights import height_parameters
 from .parameters import PARAMETERS
-from .spectrum import SpectralMoments, spectrum_of, texture_direction
+from .spectrum import SpectralMoments, Spectrum, spectrum_of, texture_direction
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
-__all__ = ["Statistics", "describe"]
+__all__ = ["Curves", "Statistics", "describe", "described"]
 
 _RESOLVED = 0.1  # relative difference of finite differences and spectrum that is warned of
 _TILTED = 0.01  # share of the height variance in the tilt that is warned of
@@ -159,41 +160,54 @@ def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
     '1.000'
     """
     require_map(hm)
+    return described(hm, wolf)[0]
+
+
+class Curves(NamedTuple):
+    """What the parameters of a map are read from; no spectrum if points are missing."""
+
+    bearing: BearingCurve
+    correlation: Autocorrelation
+    spectrum: Spectrum | None
+
+
+def described(hm: HeightMap, wolf: float = 5.0) -> tuple[Statistics, Curves]:
+    """As `describe`, with the curves, each of which is found once."""
     heights, hybrid, curve = height_parameters(hm), differences(hm), bearing_curve(hm)
     missing = hm.missing / hm.source.size
-    moments, fit, hills = None, None, dict.fromkeys(FEATURES, math.nan)
+    spectrum, fit, hills, direction = None, None, dict.fromkeys(FEATURES, math.nan), math.nan
     warnings = [*tilt_warning(hm, _TILTED), *unit_warning(hybrid["Sdq"])]
     if missing:
         warnings.append(
             f"{100 * missing:.3g} % of the points are missing: no spectrum and features; fill them"
         )
-    lay = texture(autocorrelation(hm))
-    spatial = {"Sal": lay.shortest, "Str": lay.aspect, "Std": math.nan}
-    spatial["lay"] = math.degrees(lay.direction)
-    if not missing:
+    else:
         hills, waves = features(hm, wolf), density_of(hm)
-        spectrum = spectrum_of(waves)
-        spatial["Std"] = math.degrees(texture_direction(waves))
-        moments = spectrum.moments
-        warnings += _resolution_warning(moments, hybrid["Sdq"], hybrid["curvature"])
+        spectrum, direction = spectrum_of(waves), math.degrees(texture_direction(waves))
+        del waves  # as large as the map
+        warnings += _resolution_warning(spectrum.moments, hybrid["Sdq"], hybrid["curvature"])
         try:
             fit = fit_spectrum(spectrum)
         except SurfaceError as error:
             warnings.append(f"no self-affine fit: {error}")
+    correlation = autocorrelation(hm)
+    lay = texture(correlation)
     if lay.bounded:
         warnings.append("the correlation does not fall off within half the map: Str is a bound")
-    return Statistics(
+    spatial = {"Sal": lay.shortest, "Str": lay.aspect, "Std": direction}
+    found = Statistics(
         heights=heights,
-        spatial=spatial,
+        spatial=spatial | {"lay": math.degrees(lay.direction)},
         hybrid=hybrid,
         functional=curve.core() | curve.heights() | curve.volumes(),
         features=hills,
         texture=lay,
-        moments=moments,
+        moments=None if spectrum is None else spectrum.moments,
         fit=fit,
         missing=missing,
         warnings=tuple(warnings),
     )
+    return found, Curves(curve, correlation, spectrum)
 
 
 def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float) -> list[str]:

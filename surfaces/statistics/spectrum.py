@@ -25,6 +25,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 _RING = 1.12  # outer over inner wave number of a ring
+_TIED = 1.0 + 1e-9  # waves on the limit of a ring fall to the same side, in whatever unit
 _HANN_MODES = (18.0 / 35.0) ** 2  # mean square of the window squared, over its mean fourth power
 
 
@@ -196,8 +197,8 @@ def spectrum_of(waves: Density) -> Spectrum:
     edges = _ring_edges(2.0 * np.pi / max(size), nyquist)
     rings = np.zeros((3, len(edges) + 1))
     table, rows, columns = np.zeros((4, 4)), np.zeros(ny), np.zeros(nx // 2 + 1)
-    column = np.arange(nx // 2 + 1)
-    weight = np.where((column == 0) | (2 * column == nx), 1.0, 2.0)
+    weight = waves.weight
+    signed = 2 * np.arange(ny) != ny  # a wave of two pixels runs both ways
 
     def ring_sums(part: slice, density: Array) -> tuple[Array, Array, slice, Array, Array]:
         qy, qx = wave_numbers(waves, part)
@@ -207,7 +208,7 @@ def spectrum_of(waves: Density) -> Spectrum:
         logs = np.log(np.maximum(q, 0.5 * edges[0])).ravel()
         values = half, half * density.ravel(), half * logs
         rings = np.array([np.bincount(ring, v, len(edges) + 1) for v in values], np.float64)
-        table = _moment_table(qy, qx, density * weight / (size[0] * size[1]))
+        table = _moment_table(qy, qx, density * weight / (size[0] * size[1]), signed[part])
         return rings, table, part, np.asarray(density @ weight), density.sum(axis=0)
 
     for more, moments, part, along_y, along_x in over_rows(ring_sums, waves):
@@ -274,8 +275,8 @@ def texture_direction(waves: Density) -> float:
     def sectors(part: slice, density: Array) -> Array:
         qy, qx = wave_numbers(waves, part)
         q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
-        amplitude = np.sqrt(density) * (q <= np.pi / max(waves.source.spacing))
-        amplitude *= np.where(qx == 0.0, 0.5, 1.0)  # holds both of two opposite waves
+        amplitude = np.sqrt(density) * (q <= _TIED * np.pi / max(waves.source.spacing))
+        amplitude *= waves.weight
         amplitude[q == 0.0] = 0.0
         sector = np.round(np.degrees(angle)).astype(np.int64)
         angle -= np.radians(sector)
@@ -296,12 +297,12 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
     def rings(part: slice) -> tuple[Array, NDArray[np.int64]]:
         qy, qx = wave_numbers(waves, part)
         q = np.hypot(qy[:, None], qx[None, :])
-        return q, (q / width).astype(np.int64)
+        return q, (q * _TIED / width).astype(np.int64)
 
     def sums(part: slice, density: Array) -> Array:
         ring = rings(part)[1].ravel()
-        found = np.bincount(ring, density.ravel(), count), np.bincount(ring, minlength=count)
-        return np.stack([found[0][:count], found[1][:count]])
+        found = (density * waves.weight).ravel(), np.tile(waves.weight, len(density))
+        return np.stack([np.bincount(ring, v, count)[:count] for v in found])
 
     power, number = sum(over_rows(sums, waves), np.zeros((2, count)))
     power /= np.maximum(number, 1)
@@ -320,10 +321,11 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
     return max(over_rows(largest, waves))
 
 
-def _moment_table(qy: Array, qx: Array, power: Array) -> Array:
-    """Sums of powers 0, 1, 2, 4 of the wave numbers along y and x over the variances of modes."""
+def _moment_table(qy: Array, qx: Array, power: Array, signed: NDArray[np.bool_]) -> Array:
+    """Sums of powers 0, 1, 2, 4 of the wave numbers along y and x over the variances of modes; the
+    odd power along y of rows that are `signed`, as others hold both signs."""
     columns = np.stack([np.ones_like(qx), qx, qx**2, qx**4], axis=1)
-    rows = np.stack([np.ones_like(qy), qy, qy**2, qy**4], axis=0)
+    rows = np.stack([np.ones_like(qy), qy * signed, qy**2, qy**4], axis=0)
     return np.asarray(rows @ power @ columns)
 
 
@@ -344,5 +346,4 @@ def _ring_edges(lowest: float, nyquist: float) -> NDArray[np.float64]:
     edges = [0.5 * lowest]
     while edges[-1] < nyquist:
         edges.append(max(edges[-1] * _RING, edges[-1] + lowest))
-    edges[-1] = nyquist * (1.0 + 1e-9)
-    return np.array(edges)
+    return _TIED * np.array([*edges[:-1], nyquist])

@@ -120,7 +120,7 @@ def fit_spectrum(spectrum: Spectrum) -> SpectrumFit:
         raise SurfaceError(
             f"{len(q)} rings of the spectrum carry power; a fit needs at least {2 * _SEGMENT}"
         )
-    x, y = np.log(q), np.log(density)
+    x, y = np.log(q / q[-1]), np.log(density / density[-1])  # the same in all units
     root = 1.0 / np.sqrt(1.0 / modes + _SCATTER**2)
     choices = [
         (parts, _refined(x, y, root, parts))
@@ -128,7 +128,7 @@ def fit_spectrum(spectrum: Spectrum) -> SpectrumFit:
         if len(x) >= _SEGMENT * (1 + sum(parts)) and not (parts[1] and sharp)
     ]
     parts, fit = min(choices, key=lambda choice: _information(choice[1]))
-    return _described(fit, parts, x, y, spectrum, sharp)
+    return _described(fit, parts, q, density, spectrum, sharp)
 
 
 def _information(fit: OptimizeResult) -> float:
@@ -138,14 +138,14 @@ def _information(fit: OptimizeResult) -> float:
 def _model(
     parameters: NDArray[np.float64], x: NDArray[np.float64], parts: tuple[bool, bool]
 ) -> NDArray[np.float64]:
-    """ln C: level at the last x and slope of the power law, then breaks and the third slope."""
+    """ln C: level at x = 0, the last, and slope of the power law, breaks and the third slope."""
     level, slope = parameters[0], parameters[1]
-    y: NDArray[np.float64] = level + slope * (x - x[-1])
+    y: NDArray[np.float64] = level + slope * x
     if parts[0]:
-        y = np.where(x < parameters[2], level + slope * (parameters[2] - x[-1]), y)
+        y = np.where(x < parameters[2], level + slope * parameters[2], y)
     if parts[1]:
         knee, last = parameters[-2], parameters[-1]
-        y = np.where(x > knee, level + slope * (knee - x[-1]) + last * (x - knee), y)
+        y = np.where(x > knee, level + slope * knee + last * (x - knee), y)
     return y
 
 
@@ -171,7 +171,7 @@ def _refined(
             columns.append(np.maximum(x - x[high], 0.0))
         matrix = np.stack(columns, axis=1) * root[:, None]
         solution = np.linalg.lstsq(matrix, y * root, rcond=None)[0]
-        start = [solution[0] + solution[1] * (x[-1] - x[high]), solution[1]]
+        start = [solution[0] - solution[1] * x[high], solution[1]]
         start += [x[low]] * parts[0]
         start += [x[high], solution[2]] if parts[1] else []
         starts.append((float(np.sum((matrix @ solution - y * root) ** 2)), start))
@@ -181,29 +181,30 @@ def _refined(
 def _described(
     fit: OptimizeResult,
     parts: tuple[bool, bool],
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
+    q: NDArray[np.float64],
+    density: NDArray[np.float64],
     spectrum: Spectrum,
     sharp: bool,
 ) -> SpectrumFit:
-    parameters, model = fit.x, _model(fit.x, x, parts)
-    freedom = max(1, len(x) - len(parameters))
+    parameters, model = fit.x, density[-1] * np.exp(_model(fit.x, np.log(q / q[-1]), parts))
+    freedom = max(1, len(q) - len(parameters))
     scale = max(1.0, 2.0 * fit.cost / freedom)
     errors = np.sqrt(np.diag(np.linalg.pinv(fit.jac.T @ fit.jac)) * scale)
     hurst, hurst_error = -0.5 * parameters[1] - 1.0, 0.5 * errors[1]
     rolloff = rolloff_error = cutoff = cutoff_error = math.nan
     kind = ""
     if parts[0]:
-        rolloff = 2.0 * math.pi / math.exp(parameters[2])
+        rolloff = float(2.0 * math.pi / (q[-1] * math.exp(parameters[2])))
         rolloff_error = rolloff * float(errors[2])
     if sharp:
         kind = "sharp"
         cutoff = 2.0 * math.pi / spectrum.edge
         modes_off = 0.5 if spectrum.window == "none" else 1.5
-        cutoff_error = cutoff * modes_off * float(spectrum.qx[0]) / spectrum.edge
+        step = max(float(spectrum.qx[0]), float(spectrum.qy[0]))
+        cutoff_error = cutoff * modes_off * step / spectrum.edge
     elif parts[1]:
         kind = "fall" if parameters[-1] < parameters[1] else "floor"
-        cutoff = 2.0 * math.pi / math.exp(parameters[-2])
+        cutoff = float(2.0 * math.pi / (q[-1] * math.exp(parameters[-2])))
         cutoff_error = cutoff * float(errors[-2])
     return SpectrumFit(
         hurst=float(hurst),
@@ -213,8 +214,8 @@ def _described(
         cutoff=cutoff,
         cutoff_error=cutoff_error,
         cutoff_kind=kind,
-        level=float(math.exp(parameters[0])),
-        scatter=float(np.sqrt(np.mean((y - model) ** 2))),
-        q=np.exp(x),
-        density=np.exp(model),
+        level=float(density[-1] * math.exp(parameters[0])),
+        scatter=float(np.sqrt(np.mean(np.log(density / model) ** 2))),
+        q=q,
+        density=model,
     )

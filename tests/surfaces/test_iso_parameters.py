@@ -247,6 +247,22 @@ def test_hills_of_the_negated_map_are_dales() -> None:
         assert value == scale, name
 
 
+@pytest.mark.parametrize("factor", [1.0, 1e-6, 3e-7, 1.7e-9])
+def test_half_a_map_of_one_height_has_no_core(factor: float) -> None:
+    """What is level belongs to the core, whatever the unit, above dales and below hills."""
+    for seed in range(3):
+        heights = factor * np.minimum(np.random.default_rng(seed).standard_normal((50, 40)), 0.0)
+        top, bottom = (
+            surfaces.bearing_curve(surfaces.HeightMap(z, 1.0)).core() for z in (heights, -heights)
+        )
+        share, depth = np.mean(heights == 0.0), -heights.mean()
+        assert top["Smr2"] == pytest.approx(share, abs=1e-3)
+        assert top["Svk"] == pytest.approx(2.0 * depth / (1.0 - share), rel=2e-3)
+        assert bottom["Smr1"] == pytest.approx(1.0 - share, abs=1e-3)
+        assert bottom["Spk"] == pytest.approx(top["Svk"], rel=2e-3)
+        assert (top["Sk"], top["Spk"], bottom["Sk"], bottom["Svk"]) == (0.0,) * 4
+
+
 def test_pruning_leaves_fewer_features() -> None:
     hm = surfaces.self_affine((80, 96), (80e-6, 96e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     counts = [surfaces.describe(hm, wolf=wolf).features["Spd"] for wolf in (0.0, 5.0, 20.0)]

@@ -15,6 +15,7 @@ from surfaces.drawing import suited, told
 from surfaces.page import section, write_page
 from surfaces.page.fields import reduced, reduction, touched
 from surfaces.page.words import in_words, preparation_warnings
+from surfaces.statistics import bearing, correlation, density
 
 
 @given(st.floats(1e-12, 1e12), st.sampled_from([("Pa", 1), ("m", 1), ("m", 2), ("N", 1)]))
@@ -73,6 +74,16 @@ def test_a_large_map_is_shown_as_means_that_keep_its_mean():
     small = np.arange(12.0).reshape(3, 4)
     np.testing.assert_allclose(reduced(small), small, atol=12 / 4000)
     assert reduction(small.shape) == ""
+
+
+def test_a_page_finds_each_curve_once(monkeypatch):
+    steps = (bearing, "in_memory"), (correlation, "_correlated"), (density, "along_both")
+    calls = []
+    for module, name in steps:
+        whole = getattr(module, name)
+        monkeypatch.setattr(module, name, lambda *a, w=whole: calls.append(w.__name__) or w(*a))
+    section(rough())
+    assert sorted(calls) == ["_correlated", "along_both", "in_memory"]
 
 
 def test_a_page_of_a_map_with_gaps_and_a_hostile_name(tmp_path):

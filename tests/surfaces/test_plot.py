@@ -78,6 +78,9 @@ def test_fans_of_chosen_peaks() -> None:
 def test_autocorrelation() -> None:
     figure = surfaces.plot_autocorrelation(surfaces.autocorrelation(rough(anisotropy=4.0)))
     assert figure.axes[0].get_xlim() == pytest.approx((-1e-4, 1e-4), rel=0.03)
+    lag, image = surfaces.autocorrelation(rough()).lag_x, figure.axes[0].images[0]
+    left, right, *_ = image.get_extent()
+    assert (right - left) / image.get_array().shape[1] == pytest.approx(lag[1] - lag[0])
     assert "<svg" in drawn(figure)
 
 

@@ -110,6 +110,17 @@ def smooth(ny: int = 64, nx: int = 90) -> surfaces.HeightMap:
     return surfaces.HeightMap(1e-7 * waves, SPACING)
 
 
+def test_outliers_of_a_periodic_map_move_with_it() -> None:
+    heights = np.random.default_rng(4).standard_normal((60, 70))
+    heights[10, 20] += 40.0
+    heights[30:32, 41] += 60.0
+    found = [
+        np.isnan(surfaces.mark_outliers(surfaces.HeightMap(z, 1.0, periodic=True), 3.0).heights)
+        for z in (heights, np.roll(heights, (7, 9), (0, 1)))
+    ]
+    np.testing.assert_array_equal(np.roll(found[0], (7, 9), (0, 1)), found[1])
+
+
 @pytest.mark.parametrize("width", [1, 2, 3])
 def test_spikes_are_found_and_at_most_a_neighbour_more(width: int) -> None:
     hm = smooth()

@@ -64,6 +64,17 @@ def test_random_polygons_are_convex_with_kinks_only_at_their_corners():
     assert np.max(np.abs(fine)) < 1e-4
 
 
+@pytest.mark.parametrize(("sides", "seed"), [(3, 34), (7, 3), (12, 0), (40, 0)])
+def test_random_polygons_are_closed_and_straight_between_their_corners(sides, seed):
+    """Of many faces some lie outside the others; a face is A cos(phi) + B sin(phi)."""
+    body = random_polygon(1.0, sides=sides, seed=seed)
+    first = np.sort(np.mod(body.corners, 2 * np.pi))
+    half = 0.5 * np.mod(np.roll(first, -1) - first, 2 * np.pi)
+    ends = body.psi(first) + body.psi(first + 2 * half)
+    np.testing.assert_allclose(ends, 2 * np.cos(half) * body.psi(first + half), rtol=1e-12)
+    assert body.psi(TURN).min() > 0.0
+
+
 def test_bent_body_and_given_sections_are_positive():
     assert np.all(bent_body()(np.linspace(0.01, 3, 50)[:, None], TURN) > 0)
     star = section(lambda phi: 1 + 0.2 * np.cos(5 * phi), 2.0)

@@ -47,6 +47,18 @@ def test_one_wave_has_its_moments(waves: tuple[int, int]) -> None:
     assert peak == pytest.approx(np.hypot(kx, ky), rel=0.25)
 
 
+@pytest.mark.parametrize("shape", [(44, 64), (45, 64), (44, 63)])
+def test_a_mirrored_map_has_the_mirrored_slopes(shape: tuple[int, int]) -> None:
+    """A wave of two pixels runs both ways: it adds nothing to the covariance of the slopes."""
+    hm = noise(*shape)
+    one, other = (
+        surfaces.power_spectrum(hm.replace(heights=z)).moments
+        for z in (hm.heights, hm.heights[::-1])
+    )
+    assert other.m11 == pytest.approx(-one.m11, abs=1e-12 * one.m20)
+    assert other.slope_ratio == pytest.approx(one.slope_ratio)
+
+
 def test_profiles_along_the_axes() -> None:
     hm = noise()
     k = 2 * np.pi * 6 / SIZE[1]
@@ -101,6 +113,34 @@ def random_field(seed: int) -> np.ndarray:
     k = np.maximum(np.hypot(fy, fx), 1 / 2e-4)
     amplitude = np.where(np.hypot(fy, fx) > 1 / 1.6e-5, 0.0, k**-1.5)
     return np.fft.irfft2(np.fft.rfft2(noise) * amplitude, s=noise.shape)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_a_fit_is_the_same_in_other_units_and_of_the_turned_map(periodic: bool) -> None:
+    """Waves on the limit of a ring, as of sides of 8 to 15, do not change it by rounding."""
+    rough = surfaces.self_affine(
+        (72, 96), (64e-6, 120e-6), hurst=0.7, rms_slope=0.1, rolloff=30e-6, cutoff=4e-6
+    )
+    heights, spacing = rough.heights, np.array(rough.spacing)
+    one, *others = (
+        (
+            spectrum.edge * unit,
+            (fit := surfaces.fit_spectrum(spectrum)).hurst,
+            fit.cutoff_error / unit,
+        )
+        for unit, spectrum in (
+            (u, surfaces.power_spectrum(surfaces.HeightMap(u * z, u * d, periodic=periodic)))
+            for u, z, d in (
+                (1.0, heights, spacing),
+                (1e-6, heights, spacing),
+                (1e3, heights, spacing),
+                (1e12, heights, spacing),
+                (1.0, heights.T, spacing[::-1]),
+            )
+        )
+    )
+    for other in others:
+        assert other == pytest.approx(one, rel=1e-7)
 
 
 @pytest.mark.parametrize("periodic", [True, False])

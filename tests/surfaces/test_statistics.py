@@ -104,6 +104,13 @@ def test_autocorrelation_is_the_transform_of_the_spectrum() -> None:
     assert found.value.max() == pytest.approx(1.0)
 
 
+def test_a_correlation_may_fall_off_at_the_last_shift() -> None:
+    lag_y, lag_x = np.arange(-10.0, 11.0), np.arange(-14.0, 15.0)
+    cliff = np.clip(10.0 - np.hypot(lag_y[:, None], lag_x), 0.0, 1.0)
+    found = surfaces.texture(surfaces.Autocorrelation(lag_y, lag_x, cliff))
+    assert found.shortest == pytest.approx(9.8, abs=0.1)
+
+
 def test_autocorrelation_with_missing_points_uses_the_pairs_present() -> None:
     hm = surfaces.HeightMap(np.random.default_rng(0).normal(size=(24, 31)), (1e-6, 2e-6))
     full = surfaces.autocorrelation(hm).value

@@ -128,6 +128,12 @@ def test_redistribute_gives_the_heights_and_keeps_the_spectrum():
     assert np.corrcoef(old.ravel(), new.ravel())[0, 1] > 0.98
     with pytest.raises(surfaces.InputError, match="periodic map"):
         surfaces.redistribute(hm.replace(periodic=False), np.sort)
+    with pytest.raises(surfaces.InputError, match="not a constant one"):
+        surfaces.redistribute(
+            surfaces.HeightMap(np.ones((4, 5)), 1.0, periodic=True), lambda share: share
+        )
+    with pytest.raises(surfaces.InputError, match="iterations is -3"):
+        surfaces.redistribute(hm, lambda share: share, iterations=-3)
 
 
 @pytest.mark.parametrize("shape", [(700, 33), (601, 64), (40, 903)])

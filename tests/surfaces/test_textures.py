@@ -92,6 +92,8 @@ def test_refusals():
         textures.ground(SHAPE, SIZE, rms_slope=0.0, cutoff=0.05)
     with pytest.raises(surfaces.InputError, match="feed is"):
         textures.turned(SHAPE, SIZE, feed=0.3, nose_radius=0.1)
+    with pytest.raises(surfaces.InputError, match="grooves that fit the cell are 1 m wide"):
+        textures.turned((64, 8), (1.0, 1.0), feed=0.7, nose_radius=0.36)
     with pytest.raises(surfaces.InputError, match="coarse > fine"):
         textures.two_scale(SHAPE, SIZE, coarse=0.1, fine=0.2, coarse_height=1, fine_height=1)
     with pytest.raises(surfaces.InputError, match="roughness is -1"):

@@ -48,12 +48,20 @@ def test_the_example_of_a_kind_is_one(kind):
         ("", "force", "'' is no force"),
         ("1e9e", "pressure", "'e' is no unit"),
         ("1_000", "length", "'_000' is no unit"),
+        ("2 3nm", "length", "'2 3nm' is no length"),
+        ("2 nms", "length", "'nms' is no unit of a length"),
+        ("2 Mms", "length", "'Mms' is no unit of a length"),
         ("5x", "plain number", "'x' is no unit of a plain number; write one such as 0.3"),
     ],
 )
 def test_what_is_no_quantity(text, kind, message):
     with pytest.raises(InputError, match=message.replace("(", "\\(")):
         quantity(text, kind)
+
+
+@pytest.mark.parametrize("unit", ["Micrometers", "microns", "um", "\N{GREEK SMALL LETTER MU}m"])
+def test_words_may_be_plural_and_capital(unit):
+    assert quantity(f"2 {unit}", "length") == 2e-6
 
 
 def test_all_of_a_list_have_units_or_none():

@@ -17,8 +17,7 @@ from surfaces.page.lines import Line
 from surfaces.page.render import write_html
 from surfaces.page.roughness import parameters, spectrum_figure, spectrum_lines
 from surfaces.page.words import in_words, preparation_warnings
-from surfaces.statistics.describe import describe
-from surfaces.statistics.spectrum import power_spectrum
+from surfaces.statistics.describe import described
 
 from . import tables
 from .contacts import contact_figures, height_figure, size_figure
@@ -129,14 +128,15 @@ def _add_comparison(part: Part, comparison: ComparisonRecord, color: str, count:
     if surface is None:
         return
     try:
-        found = describe(surface)
+        found, curves = described(surface)
     except SurfaceError:
         return
     part.roughness = parameters(found)
     part.warnings = list(dict.fromkeys([*part.warnings, *found.warnings]))
     label = "map" if alone else part.name
     fit = found.fit if alone else None
-    part.spectrum = spectrum_lines(power_spectrum(surface), fit, label=label, color=color)
+    if curves.spectrum is not None:
+        part.spectrum = spectrum_lines(curves.spectrum, fit, label=label, color=color)
 
 
 def _contact_maps(samples: Sequence[Sample], colors: Sequence[str]) -> Iterator[Any]:
