@@ -239,3 +239,18 @@ def test_report_of_something_else(folder, capsys):
 )
 def test_options_that_an_ensemble_would_not_heed_are_refused(more, left_out, capsys):
     assert f"leave out {left_out}" in refusal(["ensemble", *more, *STEEL, "-o", "e/"], capsys)
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (["scan.csv", "--windows", "12"], "make it HDF5 with asperity surface convert"),
+        (["scan.csv", "--windows", "12", "--spacing", "1", "2", "3"], "one number or two"),
+        ([], "name files of maps, or give --seeds"),
+        (["--seeds", "0", "--rms-slope", "0.1"], "--seeds is 0; give a whole number"),
+        (["--seeds", "2", "--seed", "-1", "--rms-slope", "0.1"], "--seed is -1; give a whole"),
+    ],
+)
+def test_an_ensemble_says_what_its_members_lack(more, told, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.csv")
+    assert told in refusal(["ensemble", *more, *STEEL, "-o", "e/"], capsys)
