@@ -219,10 +219,12 @@ def _defaults(add: Callable[..., None], *words: str) -> argparse.Namespace:
 
 def loads(args: argparse.Namespace) -> dict[str, Any]:
     """The load points asked for, "pressures", "loads" or "separations"; empty for the default."""
-    for name, kind in LOADS.items():
-        text, lengths = getattr(args, name), kind == "length"
-        if text is None:
-            continue
+    given = {name: getattr(args, name) for name in LOADS if getattr(args, name) is not None}
+    if len(given) > 1:  # one of a plan, the other of the command line
+        raise InputError(f"give one of {' and '.join(f'--{name} {given[name]}' for name in given)}")
+    for name, text in given.items():
+        kind = LOADS[name]
+        lengths = kind == "length"
         values = quantities.spread(text, f"--{name}", kind, geometric=not lengths)
         if not (lengths or (values > 0).all()):
             raise InputError(f"--{name} {text}: must be positive")

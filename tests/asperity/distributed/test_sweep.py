@@ -312,7 +312,9 @@ def test_an_interrupted_command_says_how_to_go_on(here, maps, tmp_path, monkeypa
         ("files = ", "plan.toml: no plan in TOML"),
         ('E = "210GPa"', "plan.toml: names no file"),
         ('files = "maps/*.h5"\nE = "210um"', "argument --E: 210um"),
-        ('files = "maps/*.h5"\nspeed = 3', "unrecognized arguments: --speed"),
+        ('files = "maps/*.h5"\nspeed = 3', "plan.toml: speed: no options of a map"),
+        ('files = "maps/*.h5"\noutput = "o/"\nworkers = 2', "plan.toml: output, workers: no opt"),
+        ('files = "maps/*.h5"\nE = 1e9\nmethod = "bem"\nlaw = "ritz"', "leave out --law"),
         ('files = "maps/*.h5"\nmaterial = 3', "plan.toml: material is no table"),
         ('files = "maps/*.h5"\nmaterial = [{E = 1}, 3]', "plan.toml: material is no table"),
         ("files = [3]", "plan.toml: names no file"),
@@ -327,6 +329,45 @@ def test_bad_plans_are_refused_in_one_sentence(text, match, tmp_path, monkeypatc
         code = leaving.code
     err = capsys.readouterr().err
     assert code == 2 and match in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("method", "more"),
+    [
+        ("bem", ["--law", "ritz"]),
+        ("bem", ["--accuracy", "1%"]),
+        ("curve", ["--tolerance", "1e-3"]),
+        ("curve", ["--engine", "bem"]),
+        ("solve", ["--no-interaction"]),
+        ("solve", ["--tolerance", "1e-3"]),
+    ],
+)
+def test_options_of_another_method_are_refused(method, more, capsys):
+    call = ["sweep", "scan.h5", "--E", "210GPa", "--method", method, *more]
+    assert main(call) == 2
+    assert f"leave out {more[0]}" in capsys.readouterr().err
+
+
+def test_loads_of_a_plan_and_of_the_command_line_are_not_both_taken(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("plan.toml").write_text('files = "maps/*.h5"\nE = 1e9\nseparation = "1um"')
+    assert main(["sweep", "plan.toml", "--pressure", "2"]) == 2
+    assert "give one of --pressure 2 and --separation 1um" in capsys.readouterr().err
+
+
+def test_a_table_of_a_spreadsheet_is_understood(here, maps, tmp_path, monkeypatch, capsys):
+    """A mark of the encoding in front, and words for what is given or not."""
+    maps(1)
+    monkeypatch.chdir(tmp_path)
+    text = "file,no_interaction\nmaps/m0.h5,TRUE\nmaps/m0.h5,FALSE\n"
+    Path("jobs.csv").write_text(text, encoding="utf-8-sig")
+    call = ["sweep", "jobs.csv", "--E", "210GPa", "--pressure", "1GPa", "-o", "out"]
+    assert main([*call, "--workers", "1", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["results"]
+    assert [row["interaction"] for row in rows] == ["False", "True"]
+    Path("jobs.csv").write_text("file,E\n")
+    assert main(call) == 2
+    assert "jobs.csv: a table without rows" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="workers are forked on Linux only")
