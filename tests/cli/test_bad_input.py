@@ -43,6 +43,10 @@ def test_missing_points_without_fill(command, folder, capsys):
     message = refusal([command, "holes.h5", *STEEL], capsys)
     assert "1 missing" in message
     assert "--fill harmonic" in message
+    heights[4, 7] = 1.0
+    surfaces.write(surfaces.HeightMap(heights, (1e-6, 1e-6)), folder / "spike.h5")
+    message = refusal([command, "spike.h5", *STEEL, "--outliers", "6"], capsys)
+    assert "spike.h5 has 1 missing points of 768; pass --fill harmonic" in message
 
 
 @pytest.mark.parametrize("command", MODELS)

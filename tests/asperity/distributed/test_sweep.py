@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import chdir
 from functools import partial, wraps
 from pathlib import Path
 
@@ -18,8 +19,9 @@ import pytest
 import asperity
 import surfaces
 from asperity.cli.main import main
-from asperity.distributed import pool
+from asperity.distributed import pool, work
 from asperity.distributed.pool import Workers, opened
+from surfaces.numerics.memory import available_bytes, set_memory
 
 from .conftest import LOADS, MAKE, STEEL, same_but_seconds
 
@@ -304,6 +306,31 @@ def test_an_interrupted_command_says_how_to_go_on(here, maps, tmp_path, monkeypa
     assert asperity.Sweep.read("out").table["state"][1] == "waiting"
     assert [file.name[:2] for file in Path("out/results").iterdir()] == ["m0"]
     assert main(call) == 0
+
+
+def test_workers_in_another_folder_know_the_memory_and_the_second_surface(
+    here, maps, tmp_path, monkeypatch, capsys
+):
+    maps(2)
+    monkeypatch.chdir(tmp_path)
+    solve, begin, left = asperity.contact_curve, work.run_jobs, []
+
+    @wraps(begin)
+    def elsewhere(*args, **kwargs):
+        set_memory(None)  # as in another process
+        with chdir("/"):
+            return begin(*args, **kwargs)
+
+    @wraps(solve)
+    def watched(*args, **kwargs):
+        left.append(available_bytes())
+        return solve(*args, **kwargs)
+
+    monkeypatch.setattr("asperity.curve.contact_curve", watched)
+    monkeypatch.setattr("asperity.distributed.sweep.run_jobs", elsewhere)
+    call = ["sweep", "maps/m0.h5", "--against", "maps/m1.h5", "--E", "210GPa", "--pressure", "1GPa"]
+    assert main([*call, "--memory", "3GiB", "-o", "out", "--json"]) == 0, capsys.readouterr()
+    assert left[0] < 3 << 30 < available_bytes()
 
 
 @pytest.mark.parametrize(
