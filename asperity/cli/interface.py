@@ -32,7 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         "-o",
         "--output",
-        suffix=targets.ONE,
+        suffix="",
+        one=True,
         default="law.inp",
         help="file (default law.inp)",
     )
