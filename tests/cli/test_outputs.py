@@ -67,6 +67,21 @@ def test_no_output_is_named_as_another_format(call, suffix, folder, capsys):
     assert {p.name for p in folder.iterdir()} == {"scan.h5"}
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        ["surface", "info", "scan.h5", "--table", "new/"],
+        ["surface", "info", "scan.h5", "--report", "new/"],
+        ["surface", "generate", "--rms-slope", "0.1", "-o", "new/"],
+        ["curve", "scan.h5", *STEEL, "--table", "new/"],
+    ],
+)
+def test_one_file_for_all_is_not_named_as_a_folder(call, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    assert "new/: cannot be written, it is the name of a folder" in refusal(call, capsys)
+    assert {p.name for p in folder.iterdir()} == {"scan.h5"}
+
+
 def test_a_map_made_by_blocks_is_hdf5(folder, capsys):
     call = ["surface", "generate", "--rms-slope", "0.1", "--shape", "16", "--memory", "8GiB"]
     assert "blocks are written as HDF5 alone" in refusal([*call, "-o", "a.csv"], capsys)
