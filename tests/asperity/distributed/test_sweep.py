@@ -408,3 +408,8 @@ def test_workers_are_forked_from_a_process_without_threads(dask, monkeypatch):
         assert opened_pool.submit(os.getenv, "OMP_NUM_THREADS").result() == "1"
         assert server != os.getpid()
         assert len(os.listdir(f"/proc/{server}/task")) == 1
+
+
+def test_a_sweep_of_which_all_failed_took_no_time(here, tmp_path):
+    found = asperity.sweep("absent.h5", STEEL, LOADS, folder=tmp_path)
+    assert "work            0 s" in str(found)
