@@ -41,7 +41,7 @@ def add_table(parser: Any, several: str | None = None) -> None:
     """Options of what is told of all inputs; `several` is the table that several inputs leave."""
     known = f"; {several} for several files" if several else ""
     what = f"CSV table with a row per file{known}"
-    targets.add_target(parser, "--table", suffix=targets.ONE, several=several, help=what)
+    targets.add_target(parser, "--table", suffix=".csv", one=True, several=several, help=what)
     add_json(parser)
 
 

@@ -46,8 +46,8 @@ def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Names
         raise InputError("--resistivity and --slip hold for homogeneous bodies, --m 0")
     if material.hardness < np.inf and args.slip:
         raise InputError("--slip is of elastic contacts alone; leave --hardness out")
-    if material.hardness < np.inf and args.resistivity and args.command != "curve":
-        raise InputError("--resistivity with --hardness is told by asperity curve alone")
+    if material.hardness < np.inf and args.resistivity and args.command == "solve":
+        raise InputError("--resistivity with --hardness is told by asperity curve and bem alone")
     if args.slip and material.E is None:
         raise InputError("--slip needs --E and --nu in place of --modulus")
     if args.slip and not 0 < args.friction < np.inf:

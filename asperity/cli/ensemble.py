@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 from asperity.errors import InputError
 from asperity.progress import bar
+from surfaces.errors import as_count
 
 from . import batch, options, quantities, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 from .messages import tell
-from .surface import generator
+from .surface import generator, open_map
 from .surface_options import add_generation
 from .sweep import add_solving_options, add_worker_options, settings_for, workers
 
@@ -97,11 +98,13 @@ def _members(args: argparse.Namespace) -> list[Surface]:
             raise InputError("--seeds are of a surface that is made: name no file and no --windows")
         why = "--seeds are of a surface that is made, neither read nor prepared"
         options.require_default(args, why, options.add_surface_options, "-")
-        first, make = args.seed or 0, generator(args)
-        seeds = range(first, first + args.seeds)
+        first, make = as_count("--seed", args.seed or 0, 0), generator(args)
+        seeds = range(first, first + as_count("--seeds", args.seeds, 1))
         return [Surface(f"{args.texture} {seed}", partial(make, seed=seed)) for seed in seeds]
     why = "files are read, and no surface is made without --seeds"
     options.require_default(args, why, add_generation)
+    if not args.files:
+        raise InputError("an ensemble has no member: name files of maps, or give --seeds")
     files, how = batch.expand(args.files), options.surface_choices(args)
     if args.windows is not None:
         return [member for file in files for member in _windows(file, how, args)]
@@ -110,13 +113,12 @@ def _members(args: argparse.Namespace) -> list[Surface]:
 
 def _windows(file: Path, how: argparse.Namespace, args: argparse.Namespace) -> list[Surface]:
     """Windows of one map, each read and prepared alone."""
-    import surfaces
     from asperity.distributed.ensemble import windows_of
     from asperity.distributed.jobs import Surface
 
     if args.crop is not None or len(args.windows) > 2:
         raise InputError("--windows takes one number or two (y and x), and no --crop beside it")
-    with surfaces.open(file, dataset=args.dataset, unit=args.unit, spacing=args.spacing) as opened:
+    with open_map(file, args) as opened:
         places = windows_of(opened.shape, tuple(args.windows))
     return [
         Surface(

@@ -120,7 +120,8 @@ def _profile(args: argparse.Namespace) -> tuple[PowerSumProfile | PolarProfile, 
 
 def _material(args: argparse.Namespace) -> HalfSpace:
     """Half-space from the options; a test body may do without one, then E* = 1."""
-    if args.shape is not None and args.E is args.modulus is args.nu is None:
+    moduli = (args.E, args.nu, args.modulus, args.E2, args.nu2, args.hardness2)
+    if args.shape is not None and all(one is None for one in moduli):
         return HalfSpace.from_modulus(1.0, args.m, hardness=args.hardness)
     return options.material(args)
 

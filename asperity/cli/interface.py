@@ -32,7 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         "-o",
         "--output",
-        suffix=targets.ONE,
+        suffix="",
+        one=True,
         default="law.inp",
         help="file (default law.inp)",
     )
@@ -44,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     from asperity.results.curve import ContactCurve, read_results
 
     targets.require(args, inputs=[args.results])
-    name = args.curve or next(iter(read_results(args.results).curves), None)
+    name = args.curve or next(iter(read_results(args.results).curves), "")
     curve = ContactCurve.from_hdf5(args.results, name)
     law = curve.to_interface_law(**derived.conductance(curve, args))
     law.write(args.output, args.format, units=args.units, band=args.band)

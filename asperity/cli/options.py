@@ -14,6 +14,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
 from surfaces.checks import constant
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import set_memory
 from surfaces.two_bodies import composite
 
 from . import batch, quantities
@@ -122,8 +123,10 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use.
 
-    With ``--against`` it is the composite with the second surface.
+    With ``--against`` it is the composite with the second surface. Workers learn here how much
+    memory they may use.
     """
+    set_memory(args.memory)
     hm = _full_map(file, args)
     if args.against is not None:
         hm = composite(hm, _full_map(args.against, args))
@@ -134,12 +137,13 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
 
 def _full_map(file: str, args: argparse.Namespace) -> HeightMap:
     hm = read_map(Path(file), args)
-    if hm.missing and args.fill == "none":
+    if args.fill != "none" or not hm.missing:
+        hm = prepared(hm, args)
+    if hm.missing:
         raise SurfaceError(
             f"{Path(file).name} has {hm.missing} missing points of {math.prod(hm.shape)}; "
             "pass --fill harmonic"
         )
-    hm = prepared(hm, args)
     return hm if hm.name else hm.replace(name=Path(file).stem)
 
 
@@ -192,9 +196,12 @@ def materials(args: argparse.Namespace) -> list[HalfSpace]:
 
 
 def surface_choices(args: argparse.Namespace) -> argparse.Namespace:
-    """The options that say how maps are read and prepared, alone."""
+    """The options that say how maps are read and prepared, alone, for workers in any folder."""
     names = vars(_defaults(add_surface_options, "-")).keys() - {"files"}
-    return argparse.Namespace(**{name: getattr(args, name) for name in sorted(names)})
+    chosen = {name: getattr(args, name) for name in sorted(names)}
+    if args.against is not None:
+        chosen["against"] = str(Path(args.against).absolute())
+    return argparse.Namespace(**chosen)
 
 
 def require_default(
@@ -219,10 +226,12 @@ def _defaults(add: Callable[..., None], *words: str) -> argparse.Namespace:
 
 def loads(args: argparse.Namespace) -> dict[str, Any]:
     """The load points asked for, "pressures", "loads" or "separations"; empty for the default."""
-    for name, kind in LOADS.items():
-        text, lengths = getattr(args, name), kind == "length"
-        if text is None:
-            continue
+    given = {name: getattr(args, name) for name in LOADS if getattr(args, name) is not None}
+    if len(given) > 1:  # one of a plan, the other of the command line
+        raise InputError(f"give one of {' and '.join(f'--{name} {given[name]}' for name in given)}")
+    for name, text in given.items():
+        kind = LOADS[name]
+        lengths = kind == "length"
         values = quantities.spread(text, f"--{name}", kind, geometric=not lengths)
         if not (lengths or (values > 0).all()):
             raise InputError(f"--{name} {text}: must be positive")

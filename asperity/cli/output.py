@@ -42,7 +42,8 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
     targets.add_target(
         group,
         "--report",
-        suffix=targets.ONE,
+        suffix=".html",
+        one=True,
         alone="report.html" if report else None,
         several="report.html" if report else None,
         help=f"page about all inputs side by side{told}",

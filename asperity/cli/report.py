@@ -27,7 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         "-o",
         "--output",
-        suffix=targets.ONE,
+        suffix=".html",
+        one=True,
         default="report.html",
         help="report file (default report.html)",
     )

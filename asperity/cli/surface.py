@@ -19,7 +19,7 @@ from .exit_codes import EXIT_OK
 from .messages import tell
 from .surface_options import EPILOG, PARAMETERS, add_arguments
 
-__all__ = ["EPILOG", "add_arguments", "generator", "prepared", "read_map", "run"]
+__all__ = ["EPILOG", "add_arguments", "generator", "open_map", "prepared", "read_map", "run"]
 
 
 def run(args: argparse.Namespace) -> int:
@@ -56,6 +56,12 @@ def read_map(path: str | Path, args: argparse.Namespace) -> surfaces.HeightMap:
     )
 
 
+def open_map(path: str | Path, args: argparse.Namespace) -> surfaces.SurfaceFile:
+    """The file of a map, which is read in parts, as the options of `add_reading` say."""
+    spacing = _pair(args.spacing, "--spacing")
+    return surfaces.open(path, dataset=args.dataset, unit=args.unit, spacing=spacing)
+
+
 def _pair(values: Sequence[float] | None, option: str) -> tuple[float, float] | None:
     if values is None:
         return None
@@ -75,8 +81,7 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
         return _informed(args.file, hm, args.sections[-1].found)
     if args.report:
         raise InputError("--report draws the map and needs all of it; leave out --memory")
-    spacing = _pair(args.spacing, "--spacing")
-    with surfaces.open(args.file, dataset=args.dataset, unit=args.unit, spacing=spacing) as file:
+    with open_map(args.file, args) as file:
         hm = file.on_disk()
     return _informed(args.file, hm, surfaces.describe(hm))
 

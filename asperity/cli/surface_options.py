@@ -50,7 +50,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     info = _command(commands, "info", "what a map is and how rough it is, as it stands")
     _files(info)
     targets.add_target(
-        info, "--report", suffix=targets.ONE, help="HTML page of all maps, numbers and pictures"
+        info,
+        "--report",
+        suffix=".html",
+        one=True,
+        help="HTML page of all maps, numbers and pictures",
     )
     _told(info)
 
@@ -199,7 +203,10 @@ def _told(parser: argparse.ArgumentParser) -> None:
 
 
 def _output(parser: argparse.ArgumentParser, what: str) -> None:
-    targets.add_target(parser, "-o", "--output", suffix=".h5", required=True, help=what)
+    kinds = (".npz", ".txt", ".csv")
+    targets.add_target(
+        parser, "-o", "--output", suffix=".h5", formats=kinds, required=True, help=what
+    )
     targets.add_force(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
 

@@ -10,14 +10,14 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from asperity.errors import InputError
 from asperity.progress import bar
 
 from . import batch, options, targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
-from .messages import tell
+from .messages import tell, told
 from .solve import add_accuracy_options, settings_of
 
 if TYPE_CHECKING:
@@ -41,13 +41,26 @@ MOST_ROWS = 40
 TABLES = ("material", "settings")
 """Tables of a plan."""
 
+TRUTH = {"true": True, "false": False}
+"""Cells of a table that say whether an option without a value is given."""
+
+OPTIONS = {
+    "curve": options.add_model_options,
+    "bem": options.add_tolerance_option,
+    "solve": add_accuracy_options,
+}
+"""Options of what solves a job, by its name."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity sweep``."""
-    parser.set_defaults(reparse=parser.parse_args)
-    options.add_surface_options(parser)
-    options.add_material_options(parser, nargs="+")
-    add_solving_options(parser)
+    planned = type(parser)(add_help=False)
+    planned.error = _refuse  # type: ignore[method-assign]
+    for part in (parser, planned):
+        options.add_surface_options(part)
+        options.add_material_options(part, nargs="+")
+        add_solving_options(part)
+    parser.set_defaults(planned=planned)
     add_worker_options(parser)
     parser.add_argument("--config", metavar="FILE", help="plan (.toml) for the files given")
     parser.add_argument(
@@ -62,6 +75,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     batch.add_json(parser)
 
 
+def _refuse(message: str) -> NoReturn:
+    raise InputError(message)
+
+
 def add_solving_options(parser: argparse.ArgumentParser) -> None:
     """Options that say what is solved, and how."""
     options.add_load_options(parser)
@@ -72,9 +89,8 @@ def add_solving_options(parser: argparse.ArgumentParser) -> None:
         help="what solves: the microcontact model, boundary elements, or the cheaper of both to "
         "an accuracy (default curve)",
     )
-    options.add_model_options(parser)
-    options.add_tolerance_option(parser)
-    add_accuracy_options(parser)
+    for add in OPTIONS.values():
+        add(parser)
 
 
 def add_worker_options(parser: argparse.ArgumentParser) -> None:
@@ -143,6 +159,10 @@ def _jobs(args: argparse.Namespace, maker: Any) -> Iterator[Job]:
 
 def settings_for(args: argparse.Namespace) -> dict[str, Any]:
     """Method and its keyword arguments."""
+    for other, add in OPTIONS.items():
+        if other != args.method:
+            why = f"--method {args.method} does not take the options of {other}"
+            options.require_default(args, why, add)
     chosen: dict[str, Any] = {"boundary": args.boundary}
     if args.method == "curve":
         chosen = options.model(args)
@@ -161,21 +181,37 @@ def _expanded(args: argparse.Namespace) -> Iterator[argparse.Namespace]:
         if sets is None:
             maps.append(str(file))
             continue
-        for words in sets:
-            own = copy.copy(args)
-            del own.files
-            yield args.reparse(words, own)
+        own = copy.copy(args)
+        del own.files
+        yield from (_merged(given, own, file) for given in sets)
     if args.config is not None:
         if not maps:
             raise InputError("--config is a plan for the height maps given, and none is given")
-        for words in _plan(Path(args.config), maps):
-            yield args.reparse(words, copy.copy(args))
+        yield from (_merged(one, args, args.config, maps) for one in _plan(Path(args.config)))
     elif maps:
         yield argparse.Namespace(**vars(args) | {"files": maps})
 
 
-def _plan(file: Path, maps: Sequence[str] = ()) -> Iterator[list[str]]:
-    """Words of each combination of the tables of a plan, for its own files or for `maps`."""
+def _merged(
+    given: Mapping[str, Any], args: argparse.Namespace, file: str | Path, maps: Sequence[str] = ()
+) -> argparse.Namespace:
+    """Options of the command line, and those that a plan or a table holds in their place."""
+    known = {"file", *vars(args.planned.parse_args(["-"]))}
+    if unknown := [name for name in given if name.replace("-", "_") not in known]:
+        raise InputError(
+            f"{file}: {', '.join(unknown)}: no options of a map, its material or what solves it; "
+            "give others on the command line"
+        )
+    try:
+        words = _words(given, Path(file), maps)
+        found: argparse.Namespace = args.planned.parse_args(words, copy.copy(args))
+    except InputError as error:
+        raise InputError(told(file, error)) from None
+    return found
+
+
+def _plan(file: Path) -> Iterator[dict[str, Any]]:
+    """Options of each combination of the tables of a plan."""
     try:
         content = tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -185,7 +221,7 @@ def _plan(file: Path, maps: Sequence[str] = ()) -> Iterator[list[str]]:
         merged = dict(content)
         for one in chosen:
             merged |= one
-        yield _words(merged, file, maps)
+        yield merged
 
 
 def _sets(given: Any, name: str, file: Path) -> list[dict[str, Any]]:
@@ -196,19 +232,21 @@ def _sets(given: Any, name: str, file: Path) -> list[dict[str, Any]]:
     return sets
 
 
-def _table(file: Path) -> Iterator[list[str]] | None:
-    """Words of each row of a table; None if the file is none."""
+def _table(file: Path) -> list[dict[str, Any]] | None:
+    """Options of each row of a table; None if the file is none."""
     if file.suffix != ".csv" or not file.is_file():
         return None
-    with open(file, newline="", encoding="utf-8", errors="replace") as text:
+    with open(file, newline="", encoding="utf-8-sig", errors="replace") as text:
         rows = csv.DictReader(text)
         if "file" not in (rows.fieldnames or ()):
             return None
-        cells = [{k: v for k, v in row.items() if k and v} for row in rows]
-    return (_words(row, file) for row in cells)
+        cells = [{k: TRUTH.get(v.lower(), v) for k, v in row.items() if k and v} for row in rows]
+    if not cells:
+        raise InputError(f"{file}: a table without rows; write one for each job")
+    return cells
 
 
-def _words(given: Mapping[str, Any], file: Path, maps: Sequence[str] = ()) -> list[str]:
+def _words(given: Mapping[str, Any], file: Path, maps: Sequence[str]) -> list[str]:
     """Options as words of a command line, the files last; files lie beside the plan."""
     given = dict(given)
     named = [given.pop(name) for name in ("file", "files") if name in given]

@@ -16,22 +16,25 @@ from surfaces.files.atomic import make_folder, replacing, require_replaceable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ONE = ""
-"""In place of a suffix: one file for all inputs."""
-
 PICTURES = ("plot", "fans")
 """Options of pictures, whose format follows from the suffix."""
+
+SUFFIXES = (".csv", ".h5", ".html", ".npz", ".txt", ".vti")
+"""Suffixes of what commands write but for pictures: none is the name of another."""
 
 
 @dataclass(frozen=True)
 class Target:
     """A file that an option names.
 
-    Its name in a folder ends with `suffix`, which is `ONE` if one file serves all inputs; `alone`
-    is written for one input and `several` for several where the option is not given.
+    Its name in a folder ends with `suffix`, with which it may be one file for all inputs, of any
+    name without; in place of it those of `formats` may stand. `alone` is written for one input and
+    `several` for several where the option is not given.
     """
 
     suffix: str
+    one: bool
+    formats: tuple[str, ...]
     alone: str | None = None
     several: str | None = None
 
@@ -40,6 +43,8 @@ def add_target(
     parser: Any,
     *names: str,
     suffix: str,
+    one: bool = False,
+    formats: tuple[str, ...] = (),
     alone: str | None = None,
     several: str | None = None,
     **settings: Any,
@@ -47,14 +52,16 @@ def add_target(
     """Option for a file that is written, see `Target`."""
     action = parser.add_argument(*names, **{"metavar": "FILE"} | settings)
     known = parser.get_default("targets") or {}
-    parser.set_defaults(targets={**known, action.dest: Target(suffix, alone, several)})
+    parser.set_defaults(
+        targets={**known, action.dest: Target(suffix, one, formats, alone, several)}
+    )
 
 
 def fill_in(args: argparse.Namespace, several: bool) -> None:
     """Set what is not given; with several inputs a name without a suffix is that of a folder."""
     for option, target in args.targets.items():
         name = getattr(args, option) or (target.several if several else target.alone)
-        if name and several and target.suffix != ONE and not Path(name).suffix:
+        if name and several and not target.one and not Path(name).suffix:
             name = os.path.join(name, "")
         setattr(args, option, name)
 
@@ -73,7 +80,7 @@ def of_input(args: argparse.Namespace, file: Path, several: bool) -> argparse.Na
     named: dict[str, Any] = {"file": str(file)}
     for option, target in args.targets.items():
         name = getattr(args, option)
-        if not name or target.suffix == ONE:
+        if not name or target.one:
             continue
         if _is_folder(name):
             name = os.path.join(name, f"{file.stem}{target.suffix}")
@@ -103,7 +110,7 @@ def require(
     inputs = [*inputs, *(run.file for run in runs)]
     taken = {Path(os.path.realpath(file)): f"would replace the input {file}" for file in inputs}
     for option, target in args.targets.items():
-        shared = target.suffix == ONE or not runs
+        shared = target.one or not runs
         if not shared and getattr(args, option):
             _require_distinct([run.file for run in runs])
             if getattr(args, option).endswith("/"):
@@ -123,6 +130,8 @@ def require(
             require_place(file, args.force or (resumes and option == "output"), mended)
             if option in PICTURES:
                 _require_picture(file)
+            elif target.suffix:
+                _require_suffix(file, target)
 
 
 def require_place(
@@ -161,6 +170,14 @@ def _require_distinct(files: Sequence[str]) -> None:
                 f"the results of {seen[stem]} and {file} would replace each other; run them apart"
             )
         seen[stem] = file
+
+
+def _require_suffix(file: str, target: Target) -> None:
+    """Refuse the name of a file of another kind."""
+    suffix = Path(file).suffix.lower()
+    if suffix in SUFFIXES and suffix not in (target.suffix, *target.formats):
+        known = ", ".join((target.suffix, *target.formats))
+        raise InputError(f"{file}: it is written as {known}, not as {suffix}")
 
 
 def _require_picture(file: str) -> None:

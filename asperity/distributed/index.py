@@ -131,7 +131,7 @@ class Sweep:
     def __str__(self) -> str:
         states, counts = np.unique(self.table["state"], return_counts=True)
         told = ", ".join(f"{n} {s}" for s, n in zip(states, counts, strict=True))
-        work = np.nansum(self.table["seconds"]) if "seconds" in columns(self.table) else math.nan
+        work = np.nansum(self.table["seconds"]) if "seconds" in columns(self.table) else 0.0
         first = [self.table[row] for row in self.failed[:10]]
         left = len(self.failed) - len(first)
         lines = [

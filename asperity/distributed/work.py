@@ -18,6 +18,7 @@ from asperity.errors import AsperityError, ContactWarning
 from asperity.results.curve import ContactCurve, at_heaviest
 from asperity.results.storage import ResultFile, read_about, write_results
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import set_memory
 from surfaces.numerics.parallel import set_threads
 
 from .bands import QUANTITIES
@@ -55,6 +56,7 @@ def run_jobs(
             ]
         finally:
             set_threads(None)
+            set_memory(None)  # which the loading of a map may have set
 
 
 def finished(job: Job, folder: Path, at: NDArray[np.float64] | None = None) -> Outcome | None:

@@ -225,7 +225,8 @@ class ContactCurve(CurveTable):
             return next(iter(held.values()))
         if model not in held:
             names = ", ".join(held) or "no curve"
-            raise FileFormatError(f"{path} has no curve {model!r}; it holds {names}")
+            missing = "; name one (model=)" if model is None else f", and no curve {model!r}"
+            raise FileFormatError(f"{path} holds {names}{missing if held else ''}")
         return held[model]
 
     def to_interface_law(self, **choices: Any) -> InterfaceLaw:

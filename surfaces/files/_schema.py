@@ -194,9 +194,16 @@ def _spacing(
         dy, dx = (float(d) for d in np.broadcast_to(values, (2,)))
     if not (0 < dy < math.inf and 0 < dx < math.inf):
         tell(f": spacing is {shown(pixel)}; it must be two positive lengths in m")
-    elif stated is not None and given is not None and not np.allclose((dy, dx), given, rtol=1e-9):
-        tell(f" states spacing ({dy:.6g}, {dx:.6g}) m; leave out the other --spacing")
+    elif other := other_spacing((dy, dx), given):
+        tell(f" {other}")
     return dy, dx
+
+
+def other_spacing(stated: tuple[float, float], given: tuple[float, float] | None) -> str:
+    """What to say to a spacing [m] that is given and is not the stated one; else nothing."""
+    if given is None or np.allclose(stated, given, rtol=1e-9, atol=0.0):
+        return ""
+    return f"states spacing ({stated[0]:.6g}, {stated[1]:.6g}) m; leave out the other --spacing"
 
 
 def _unit(stated: Any, given: str | None, tell: Tell, holds: str) -> str:

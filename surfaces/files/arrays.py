@@ -18,6 +18,7 @@ from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
 from ._damage import DAMAGED
+from ._schema import other_spacing
 from .atomic import replacing
 from .columns import gridded
 
@@ -127,7 +128,8 @@ def read_text(
     if points is not None:
         heights, pixel = points
         unit = chosen_unit(path, stated.get("unit"), unit)
-        stated.setdefault("spacing", [step * metres_per(unit) for step in pixel])
+        if spacing is None:  # else the unit of x and y is unknown
+            stated.setdefault("spacing", [step * metres_per(unit) for step in pixel])
     elif path.suffix.lower() == ".xyz":
         raise FileFormatError(f"{path}: its points x, y, z lie on no even grid, or are repeated")
     return as_map(heights, path, unit, spacing, stated)
@@ -232,13 +234,17 @@ def as_map(
 
 
 def chosen_spacing(path: Path, stated: Any, given: ArrayLike | None) -> tuple[float, float]:
-    """Pixel size (dy, dx) [m] of the map in a file: as the caller says, or as the file states."""
-    pixel = stated if given is None else given
-    if pixel is None:
+    """Pixel size (dy, dx) [m] of the map in a file: as it states, or as the caller says where it
+    does not; refused if neither says one, or they differ."""
+    if stated is None and given is None:
         raise FileFormatError(
             f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
         )
-    return checked_spacing(pixel)
+    chosen = None if given is None else checked_spacing(given)
+    pixel = checked_spacing(chosen if stated is None else stated)
+    if other := other_spacing(pixel, chosen):
+        raise FileFormatError(f"{path}: {other}")
+    return pixel
 
 
 def _periodic(stated: Any, path: Path) -> bool:

@@ -25,6 +25,8 @@ def require_replaceable(path: str | os.PathLike[str]) -> Path:
         a pipe.
     """
     target = Path(os.path.realpath(path))  # which does not mind links in a circle
+    if os.fspath(path).endswith("/"):
+        raise InputError(f"{path}: cannot be written, it is the name of a folder")
     try:
         if not stat.S_ISREG(target.stat().st_mode):
             kind = "folder" if target.is_dir() else "device or a pipe"

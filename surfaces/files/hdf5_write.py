@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import h5py
@@ -54,7 +55,7 @@ def write_blocks(
     ------
     InputError
         If the shape or the spacing is that of no map, the blocks do not fill it or hold infinities,
-        the dtype is another, or the file cannot be written.
+        the dtype is another, or the file cannot be written or is named as another format.
 
     Examples
     --------
@@ -71,6 +72,8 @@ def write_blocks(
         raise InputError(f"dtype is {dtype!r}; heights are stored as float64 or float32")
     if len(shape) != 2 or min(shape) < 3:
         raise SurfaceError(f"shape is {shape}; a height map needs two axes of at least 3 points")
+    if Path(path).suffix.lower() in (".csv", ".npz", ".txt"):
+        raise InputError(f"{path}: blocks are written as HDF5 alone; call the file .h5")
     spacing = checked_spacing(spacing)
     steps = [dict(step) for step in history]
     with replacing(path) as part, h5py.File(part, "w", libver=("v110", "v110")) as file:

@@ -71,8 +71,7 @@ def _stated(
 ) -> HeightMap:
     """The map of a file that states all its lengths in metres."""
     chosen_unit(path, "m", unit)
-    if spacing is not None:
-        raise FileFormatError(f"{path}: states its pixel size; leave out --spacing")
+    pixel = chosen_spacing(path, pixel, spacing)
     origin = {"step": "read", "file": path.name, "format": kind, "unit": "m"}
     return HeightMap(heights, pixel, name=path.stem, history=(origin,))
 
@@ -131,10 +130,12 @@ def _sizes(
     channel: Any, path: Path, spacing: ArrayLike | None, metres: float
 ) -> dict[str, tuple[float, float]]:
     """What to tell the library about a map whose file does not say how large it is."""
+    nx, ny = channel.nb_grid_pts
     if channel.physical_sizes is not None:
+        length_x, length_y = channel.physical_sizes
+        chosen_spacing(path, (length_y * metres / ny, length_x * metres / nx), spacing)
         return {}
     dy, dx = chosen_spacing(path, None, spacing)
-    nx, ny = channel.nb_grid_pts
     return {"physical_sizes": (nx * dx / metres, ny * dy / metres)}
 
 

@@ -56,7 +56,7 @@ def prepare(
     Raises
     ------
     SurfaceError
-        If an option is unknown, or too many points are missing.
+        If an option is unknown or belongs to one that is not given, or too many points are missing.
 
     Examples
     --------
@@ -74,6 +74,16 @@ def prepare(
         raise SurfaceError(f"fill_limit is {fill_limit}; it is a fraction from 0 to below 1")
     if bandpass is not None and np.shape(np.asarray(bandpass, dtype=object)) != (2,):
         raise SurfaceError(f"bandpass is {bandpass!r}; give (shortest, longest) wavelength in m")
+    if fill is None and fill_limit != 0.1:
+        raise SurfaceError(
+            f"fill_limit is {fill_limit} and nothing is filled: leave it out, or pass "
+            'fill="harmonic" (--fill harmonic)'
+        )
+    if bandpass is None and filter != "sharp":
+        raise SurfaceError(
+            f"filter is {filter!r} and nothing is filtered: leave it out, or pass bandpass="
+            "(shortest, longest) (--bandpass SHORT LONG)"
+        )
     if level is not None:
         hm = levelling.level(hm, level)
     if outliers is not None:

@@ -43,6 +43,10 @@ def test_missing_points_without_fill(command, folder, capsys):
     message = refusal([command, "holes.h5", *STEEL], capsys)
     assert "1 missing" in message
     assert "--fill harmonic" in message
+    heights[4, 7] = 1.0
+    surfaces.write(surfaces.HeightMap(heights, (1e-6, 1e-6)), folder / "spike.h5")
+    message = refusal([command, "spike.h5", *STEEL, "--outliers", "6"], capsys)
+    assert "spike.h5 has 1 missing points of 768; pass --fill harmonic" in message
 
 
 @pytest.mark.parametrize("command", MODELS)
@@ -239,3 +243,18 @@ def test_report_of_something_else(folder, capsys):
 )
 def test_options_that_an_ensemble_would_not_heed_are_refused(more, left_out, capsys):
     assert f"leave out {left_out}" in refusal(["ensemble", *more, *STEEL, "-o", "e/"], capsys)
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (["scan.csv", "--windows", "12"], "make it HDF5 with asperity surface convert"),
+        (["scan.csv", "--windows", "12", "--spacing", "1", "2", "3"], "one number or two"),
+        ([], "name files of maps, or give --seeds"),
+        (["--seeds", "0", "--rms-slope", "0.1"], "--seeds is 0; give a whole number"),
+        (["--seeds", "2", "--seed", "-1", "--rms-slope", "0.1"], "--seed is -1; give a whole"),
+    ],
+)
+def test_an_ensemble_says_what_its_members_lack(more, told, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.csv")
+    assert told in refusal(["ensemble", *more, *STEEL, "-o", "e/"], capsys)

@@ -158,6 +158,17 @@ def test_conductance_and_partial_slip_from_the_curve(command, folder, capsys):
     assert (np.diff(slip["displacement"]) > 0).all()
 
 
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_conductance_of_contacts_that_yield(command, folder, capsys):
+    """Their spots keep their size as the load begins to fall."""
+    options = ["--hardness", "2GPa", "--pressure", "1e8", "--resistivity", "1e-7", "3e-7"]
+    assert main([command, "rough.h5", *STEEL, *options, "--csv", "c.csv"]) == 0
+    table = np.genfromtxt("c.csv", delimiter=",", names=True)
+    stiffness = table["unloading_stiffness"]
+    found = 2 * stiffness / (210e9 / (1 - 0.3**2) * 4e-7)
+    assert table["conductance"] == pytest.approx(found) and stiffness > table["stiffness"]
+
+
 def test_no_slip_from_a_curve_that_hardly_converged(folder, capsys):
     """The curve is told, and its exit code is that of points that did not converge."""
     loads = ["--pressure", "1e8,1e12,2e12", "--resistivity", "1e-7", "1e-7"]

@@ -137,6 +137,8 @@ def test_the_highest_peak_is_that_of_the_map_without_its_tilt(tmp_path):
         (["indent", "--shape", "cone", "--scale", "0"], "--scale must be positive"),
         (["indent", "--shape", "cone", "--k", "2"], "--k does not belong to --shape cone"),
         (["indent", "--shape", "cone", "--nu", "0.2"], "give --E"),
+        (["indent", "--shape", "cone", "--E2", "70GPa"], "give --E"),
+        (["indent", "--shape", "cone", "--hardness2", "1GPa"], "give --E"),
         (["indent", "--shape", "cone", "--unit", "um"], "--unit belongs to a file"),
         (["indent", "nothing.h5", "--E", "1", "--k", "2"], "--k belongs to --shape"),
         (["indent", "--shape", "cone", "--grid", "64"], "add --bem"),

@@ -49,6 +49,45 @@ def test_no_output_replaces_the_input_or_what_is_there(command, option, folder, 
     assert {p.name for p in folder.iterdir()} == {"scan.h5", "there.csv"}
 
 
+@pytest.mark.parametrize(
+    ("call", "suffix"),
+    [
+        (["curve", "scan.h5", *STEEL, "-o", "a.csv"], ".h5"),
+        (["curve", "scan.h5", *STEEL, "--csv", "a.h5"], ".csv"),
+        (["curve", "scan.h5", *STEEL, "--fields", "a.csv"], ".vti"),
+        (["compare", "scan.h5", *STEEL, "--report", "a.csv"], ".html"),
+        (["surface", "info", "scan.h5", "--table", "a.h5"], ".csv"),
+        (["surface", "convert", "scan.h5", "-o", "a.html"], ".h5, .npz, .txt, .csv"),
+        (["report", "results.h5", "-o", "a.h5"], ".html"),
+    ],
+)
+def test_no_output_is_named_as_another_format(call, suffix, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    assert f"it is written as {suffix}, not as {call[-1][1:]}" in refusal(call, capsys)
+    assert {p.name for p in folder.iterdir()} == {"scan.h5"}
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ["surface", "info", "scan.h5", "--table", "new/"],
+        ["surface", "info", "scan.h5", "--report", "new/"],
+        ["surface", "generate", "--rms-slope", "0.1", "-o", "new/"],
+        ["curve", "scan.h5", *STEEL, "--table", "new/"],
+    ],
+)
+def test_one_file_for_all_is_not_named_as_a_folder(call, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    assert "new/: cannot be written, it is the name of a folder" in refusal(call, capsys)
+    assert {p.name for p in folder.iterdir()} == {"scan.h5"}
+
+
+def test_a_map_made_by_blocks_is_hdf5(folder, capsys):
+    call = ["surface", "generate", "--rms-slope", "0.1", "--shape", "16", "--memory", "8GiB"]
+    assert "blocks are written as HDF5 alone" in refusal([*call, "-o", "a.csv"], capsys)
+    assert not list(folder.iterdir())
+
+
 def test_a_report_does_not_replace_its_results(folder, capsys):
     (folder / "results.h5").touch()
     message = refusal(["report", "results.h5", "-o", "results.h5"], capsys)

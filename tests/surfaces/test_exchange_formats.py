@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -83,11 +85,34 @@ def test_files_that_state_their_lengths(tmp_path: Path, name: str) -> None:
         surfaces.read(tmp_path / name, unit="um")
 
 
-@pytest.mark.parametrize("name", ["a.sdf", "a.x3p"])
-def test_a_second_spacing_is_refused(tmp_path: Path, name: str) -> None:
-    MAKERS[name](tmp_path / name)
-    with pytest.raises(FileFormatError, match="states its pixel size"):
-        surfaces.read(tmp_path / name, spacing=SPACING)
+@pytest.mark.parametrize("name", ["a.sdf", "a.x3p", "a.npz", "a.txt", "a.csv", "a.h5"])
+def test_a_spacing_that_contradicts_the_file_is_refused(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    if name in MAKERS:
+        MAKERS[name](path)
+    else:
+        surfaces.write(surfaces.HeightMap(HEIGHTS, SPACING), path)
+    hm = surfaces.read(path)
+    assert surfaces.read(path, spacing=SPACING).spacing == pytest.approx(hm.spacing, rel=1e-12)
+    with pytest.raises(FileFormatError, match=r"states spacing .* leave out the other --spacing"):
+        surfaces.read(path, spacing=2e-6)
+
+
+def test_a_spacing_that_contradicts_an_instrument_file_is_refused(tmp_path, monkeypatch) -> None:
+    channel = SimpleNamespace(unit="um", physical_sizes=(51.0, 24.0), nb_grid_pts=(17, 12))
+    reader = contextlib.nullcontext(SimpleNamespace(default_channel=channel))
+    errors = SimpleNamespace(CannotDetectFileFormat=KeyError, ReadFileError=KeyError)
+    library = SimpleNamespace(open_topography=lambda _: reader, Exceptions=errors)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", library)
+    (tmp_path / "a.sur").write_bytes(b"DIGITAL SURF")
+    with pytest.raises(FileFormatError, match=r"states spacing \(2e-06, 3e-06\) m; leave out"):
+        surfaces.read(tmp_path / "a.sur", spacing=2e-6)
+
+
+def test_pixels_of_nanometres_that_differ_are_told_apart(tmp_path: Path) -> None:
+    surfaces.write(surfaces.HeightMap(HEIGHTS, 1e-9), tmp_path / "a.h5")
+    with pytest.raises(FileFormatError, match="leave out the other --spacing"):
+        surfaces.read(tmp_path / "a.h5", spacing=5e-9)
 
 
 @pytest.mark.parametrize(

@@ -289,6 +289,8 @@ def test_nothing_asked_nothing_done() -> None:
         ({"outliers": 1.0}, "use 3 or more"),
         ({"periodic": "glue"}, "periodic is 'glue'"),
         ({"fill_limit": 2.0}, "fill_limit is 2.0"),
+        ({"fill_limit": 0.3, "fill": None}, "nothing is filled: leave it out, or pass fill="),
+        ({"filter": "gaussian"}, "nothing is filtered: leave it out, or pass bandpass="),
     ],
 )
 def test_unknown_options(options: dict[str, object], message: str) -> None:

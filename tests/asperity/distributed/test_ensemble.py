@@ -208,7 +208,7 @@ def test_the_command(here, tmp_path, monkeypatch, capsys):
     for words, told in (
         (["large.h5", "--seeds", "3"], "name no file"),
         (["large.h5", "--windows", "8", "--crop", "0", "9", "0", "9"], "no --crop"),
-        ([], "at least one surface"),
+        ([], "name files of maps, or give --seeds"),
     ):
         assert main(["ensemble", *words, *body]) == 2
         assert told in capsys.readouterr().err

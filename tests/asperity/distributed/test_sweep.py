@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import chdir
 from functools import partial, wraps
 from pathlib import Path
 
@@ -18,8 +19,9 @@ import pytest
 import asperity
 import surfaces
 from asperity.cli.main import main
-from asperity.distributed import pool
+from asperity.distributed import pool, work
 from asperity.distributed.pool import Workers, opened
+from surfaces.numerics.memory import available_bytes, set_memory
 
 from .conftest import LOADS, MAKE, STEEL, same_but_seconds
 
@@ -312,13 +314,40 @@ def test_an_interrupted_command_says_how_to_go_on(here, maps, tmp_path, monkeypa
     assert main(call) == 0
 
 
+def test_workers_in_another_folder_know_the_memory_and_the_second_surface(
+    here, maps, tmp_path, monkeypatch, capsys
+):
+    maps(2)
+    monkeypatch.chdir(tmp_path)
+    solve, begin, left = asperity.contact_curve, work.run_jobs, []
+
+    @wraps(begin)
+    def elsewhere(*args, **kwargs):
+        set_memory(None)  # as in another process
+        with chdir("/"):
+            return begin(*args, **kwargs)
+
+    @wraps(solve)
+    def watched(*args, **kwargs):
+        left.append(available_bytes())
+        return solve(*args, **kwargs)
+
+    monkeypatch.setattr("asperity.curve.contact_curve", watched)
+    monkeypatch.setattr("asperity.distributed.sweep.run_jobs", elsewhere)
+    call = ["sweep", "maps/m0.h5", "--against", "maps/m1.h5", "--E", "210GPa", "--pressure", "1GPa"]
+    assert main([*call, "--memory", "3GiB", "-o", "out", "--json"]) == 0, capsys.readouterr()
+    assert left[0] < 3 << 30 < available_bytes()
+
+
 @pytest.mark.parametrize(
     ("text", "match"),
     [
         ("files = ", "plan.toml: no plan in TOML"),
         ('E = "210GPa"', "plan.toml: names no file"),
         ('files = "maps/*.h5"\nE = "210um"', "argument --E: 210um"),
-        ('files = "maps/*.h5"\nspeed = 3', "unrecognized arguments: --speed"),
+        ('files = "maps/*.h5"\nspeed = 3', "plan.toml: speed: no options of a map"),
+        ('files = "maps/*.h5"\noutput = "o/"\nworkers = 2', "plan.toml: output, workers: no opt"),
+        ('files = "maps/*.h5"\nE = 1e9\nmethod = "bem"\nlaw = "ritz"', "leave out --law"),
         ('files = "maps/*.h5"\nmaterial = 3', "plan.toml: material is no table"),
         ('files = "maps/*.h5"\nmaterial = [{E = 1}, 3]', "plan.toml: material is no table"),
         ("files = [3]", "plan.toml: names no file"),
@@ -335,6 +364,45 @@ def test_bad_plans_are_refused_in_one_sentence(text, match, tmp_path, monkeypatc
     assert code == 2 and match in err and err.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("method", "more"),
+    [
+        ("bem", ["--law", "ritz"]),
+        ("bem", ["--accuracy", "1%"]),
+        ("curve", ["--tolerance", "1e-3"]),
+        ("curve", ["--engine", "bem"]),
+        ("solve", ["--no-interaction"]),
+        ("solve", ["--tolerance", "1e-3"]),
+    ],
+)
+def test_options_of_another_method_are_refused(method, more, capsys):
+    call = ["sweep", "scan.h5", "--E", "210GPa", "--method", method, *more]
+    assert main(call) == 2
+    assert f"leave out {more[0]}" in capsys.readouterr().err
+
+
+def test_loads_of_a_plan_and_of_the_command_line_are_not_both_taken(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("plan.toml").write_text('files = "maps/*.h5"\nE = 1e9\nseparation = "1um"')
+    assert main(["sweep", "plan.toml", "--pressure", "2"]) == 2
+    assert "give one of --pressure 2 and --separation 1um" in capsys.readouterr().err
+
+
+def test_a_table_of_a_spreadsheet_is_understood(here, maps, tmp_path, monkeypatch, capsys):
+    """A mark of the encoding in front, and words for what is given or not."""
+    maps(1)
+    monkeypatch.chdir(tmp_path)
+    text = "file,no_interaction\nmaps/m0.h5,TRUE\nmaps/m0.h5,FALSE\n"
+    Path("jobs.csv").write_text(text, encoding="utf-8-sig")
+    call = ["sweep", "jobs.csv", "--E", "210GPa", "--pressure", "1GPa", "-o", "out"]
+    assert main([*call, "--workers", "1", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["results"]
+    assert [row["interaction"] for row in rows] == ["False", "True"]
+    Path("jobs.csv").write_text("file,E\n")
+    assert main(call) == 2
+    assert "jobs.csv: a table without rows" in capsys.readouterr().err
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="workers are forked on Linux only")
 @pytest.mark.parametrize("dask", [True, False])
 def test_workers_are_forked_from_a_process_without_threads(dask, monkeypatch):
@@ -346,3 +414,8 @@ def test_workers_are_forked_from_a_process_without_threads(dask, monkeypatch):
         assert opened_pool.submit(os.getenv, "OMP_NUM_THREADS").result() == "1"
         assert server != os.getpid()
         assert len(os.listdir(f"/proc/{server}/task")) == 1
+
+
+def test_a_sweep_of_which_all_failed_took_no_time(here, tmp_path):
+    found = asperity.sweep("absent.h5", STEEL, LOADS, folder=tmp_path)
+    assert "work            0 s" in str(found)

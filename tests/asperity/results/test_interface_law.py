@@ -14,6 +14,7 @@ import asperity
 import surfaces
 from asperity.cli.main import main
 from asperity.results.interface_law import FORMATS, UNITS
+from asperity.results.storage import ResultFile, write_results
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
 
@@ -122,6 +123,18 @@ def test_the_command_writes_the_law(tmp_path, curve, capsys):
     assert main(["interface", str(tmp_path / "results.h5"), "--output", str(target)]) == 0
     assert "mean plane" in capsys.readouterr().out
     assert asperity.InterfaceLaw.read(target).pressure[-1] == pytest.approx(1e9, rel=1e-2)
+
+
+def test_a_file_of_no_curve_or_of_several_is_told(tmp_path, curve, capsys):
+    path = tmp_path / "results.h5"
+    write_results(path, ResultFile())
+    assert main(["interface", str(path), "--output", str(tmp_path / "law.inp")]) == 2
+    assert capsys.readouterr().err.endswith("results.h5 holds no curve\n")
+    write_results(path, ResultFile(curves={"a": curve, "b": curve}))
+    with pytest.raises(surfaces.FileFormatError, match=r"holds a, b; name one \(model=\)"):
+        asperity.ContactCurve.from_hdf5(path)
+    assert main(["interface", str(path), "--curve", "c"]) == 2
+    assert "holds a, b, and no curve 'c'" in capsys.readouterr().err
 
 
 PATCH = """*NODE, NSET=ALL
