@@ -203,17 +203,6 @@ def where(typing: Any, mask: Any, a: Any, b: Any) -> Any:
 
 
 @intrinsic
-def count(typing: Any, mask: Any) -> Any:
-    """Number of lanes in a mask."""
-
-    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        word = builder.bitcast(args[0], ir.IntType(mask.width))
-        return builder.zext(builder.ctpop(word), WORD)
-
-    return types.int64(mask), code
-
-
-@intrinsic
 def some(typing: Any, mask: Any) -> Any:
     """Whether a mask holds in any lane."""
 

@@ -32,7 +32,6 @@ from .vector_type import (
     absolute,
     call,
     constant,
-    count,
     halves,
     lane,
     multiply_add,
@@ -50,8 +49,6 @@ from .vector_type import (
 __all__ = [
     "absolute",
     "adder",
-    "compress",
-    "count",
     "entries",
     "lane",
     "loader",
@@ -149,27 +146,6 @@ def repeater(width: int) -> Any:
         return vector_of(array.dtype, width)(array, types.intp), code
 
     return repeat
-
-
-@intrinsic
-def compress(typing: Any, array: Any, place: Any, vector: Any, mask: Any) -> Any:
-    """Write the lanes of a vector that are in the mask from a place on, without gaps, and zeros
-    behind them up to all lanes: to leave these out takes some processors ten times as long."""
-
-    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        data = data_of(context, builder, sig.args[0], args[0])
-        value = fitted(builder, args[2], array.dtype)
-        # as integers: where processors lack the instruction, LLVM cannot expand that of floats
-        size = 8 * BYTES[str(value.type.element)]
-        words = ir.VectorType(ir.IntType(size), vector.width)
-        takes = ir.FunctionType(words, [words, args[3].type, words])
-        name = f"experimental.vector.compress.v{vector.width}i{size}"
-        held = builder.bitcast(value, words)
-        found = call(builder, name, takes, held, args[3], constant(words, 0))
-        write(builder, builder.bitcast(found, value.type), data, args[1])
-        return context.get_dummy_value()
-
-    return types.void(array, types.intp, vector, mask), code
 
 
 @intrinsic

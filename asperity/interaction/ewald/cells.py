@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from surfaces.numerics.parallel import each, threads
 
 from . import _list_kernels, _tangent_kernels
-from ._list_kernels import LANES
 
 if TYPE_CHECKING:
     from asperity.halfspace.footprint import Footprints
@@ -156,7 +155,6 @@ def near_pairs(
     ptr = np.zeros((n, 2), np.int64)
     col, pair = np.empty(0, np.int32), np.empty((2, 0), np.float32)
     first, number = np.zeros(len(rows), np.int64), np.zeros(len(rows), np.int64)
-    y, x = (np.concatenate((place, np.zeros(LANES))) for place in (y, x))
 
     def find(c: int, part: NDArray[np.int64]) -> None:
         place = y, x, start, cells, size, wrap, cut * cut, part, first[c]
