@@ -22,9 +22,8 @@ from numpy.typing import NDArray
 from asperity.errors import ModelRangeError
 from asperity.halfspace.footprint import Footprints
 from asperity.parameters import DEFAULTS, Parameters
-from surfaces.checks import fine_waves_random, fineness
+from surfaces.checks import fine_waves_random, fineness, lay
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.parallel import blocks, run
 from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import Resampled, coarse_map, resample
 
@@ -123,7 +122,7 @@ def split_scales(
         return NARROW
     if not fine_waves_random(hm, near_pixel.kurtosis):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
-    if _lay(hm) > bounds.lay:
+    if (1.0 - bounds.lay) * lay(hm) ** 2 > 1.0 + bounds.lay:
         return "scales: all, the waves have a lay, for which there is no law"
     shells = Shells.of(hm, material.m)
     m0, m2, m4 = shells.sums[:, :3].T
@@ -200,20 +199,3 @@ def _breadth(hm: HeightMap) -> float:
         mean[:] = power @ number**2, power @ number**4
     slope, bend = turns.mean(axis=0)
     return float(hm.roughness.rms_height**2 * bend / slope**2)
-
-
-def _lay(hm: HeightMap) -> float:
-    """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map, from some of its rows."""
-    rows = np.arange(0, hm.shape[0] - 1, max(1, hm.shape[0] // 256))
-
-    def part(first: int, last: int) -> tuple[float, float, float]:
-        yy = xx = xy = 0.0
-        for row in rows[first:last].tolist():  # temporary arrays of more rows leave the cache
-            low, high = hm.source[row : row + 2]
-            rise, along, below = high - low, np.diff(low), np.diff(high)
-            y, x = (rise[1:] + rise[:-1]) / hm.spacing[0], (along + below) / hm.spacing[1]
-            yy, xx, xy = yy + float(y @ y), xx + float(x @ x), xy + float(x @ y)
-        return yy, xx, xy
-
-    yy, xx, xy = np.sum(run(part, blocks(len(rows), 16)), axis=0)
-    return float(np.hypot(xx - yy, 2.0 * xy) / (xx + yy))
