@@ -204,14 +204,11 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
         found[lost, 0, 2:4] = table.centre[node][:, ::-1]
     if table.bearing is not None:
         found[lost, 0, 7] = table.bearing[node]
-    offsets = np.where(found[:, :, 0] > 0.0, wanted - first[:, None], -1)
-    order = np.argsort(offsets < 0, axis=1, kind="stable")
-    offsets = np.take_along_axis(offsets, order, axis=1)
-    found = np.take_along_axis(found, order[:, :, None], axis=1)
-    count = np.count_nonzero(offsets >= 0, axis=1)
-    some = np.flatnonzero(count >= FEWEST)
-    if some.size:
-        _join(table, slots[some], first[some], offsets[some], count[some], found[some])
+    kinds, kind = np.unique(np.where(found[:, :, 0] > 0.0, wanted, 0), axis=0, return_inverse=True)
+    for group, nodes in enumerate(kinds):
+        some, known = np.flatnonzero(kind == group), nodes > 0
+        if np.count_nonzero(known) >= FEWEST:
+            _join(table, slots[some], nodes[known], found[some][:, known])
 
 
 def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
@@ -221,82 +218,50 @@ def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
     return int(table.nodes * min(max(ahead, 0.0) / table.reach[slot], 1.0) ** 0.5)
 
 
-def _join(
-    table: LawTable, slots: Rows, begin: Rows, offsets: Rows, count: Rows, values: Array
-) -> None:
-    """Put what was found at the nodes `begin` + `offsets` in some rows, from the node `begin` on.
-
-    Of `values` (n, levels, 8) the first `count` are known.
-    """
-    from scipy.interpolate import PchipInterpolator
-
-    u = np.arange(table.nodes + 1) / table.nodes
-    wanted = values[:, :, [1, 7, 3, 2]]
-    wanted[:, :, :2] /= u[begin[:, None] + np.maximum(offsets, 0), None] ** 2
-    smooth = np.empty((len(slots), table.nodes + 1, wanted.shape[2]))
-    kinds, kind = np.unique(offsets, axis=0, return_inverse=True)
-    for group, places in enumerate(kinds):
-        some, known = np.flatnonzero(kind == group), places >= 0
-        line = PchipInterpolator(places[known], wanted[some][:, known], axis=1)
-        smooth[some] = line(np.arange(table.nodes + 1))
-    every, end = np.arange(len(slots)), count - 1
-    last = offsets[every, end]
-    _scale(table, slots, begin + last, values[every, end])
-    k, inside = np.nonzero(np.arange(table.nodes + 1) <= last[:, None])
-    row, node = slots[k], begin[k] + inside
-    table.area[row, node] = u[node] ** 2 * smooth[k, inside, 0]
-    table.spread[row, node] = SPREAD
-    if table.bearing is not None:
-        table.bearing[row, node] = u[node] ** 2 * smooth[k, inside, 1]
-    if table.centre is not None:
-        table.centre[row, node] = smooth[k, inside, 2:]
-    before = np.minimum(begin - 1, BEFORE)
-    kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)
-    for group, (earlier, *after) in enumerate(kinds.tolist()):
-        some = np.flatnonzero(kind == group)
-        places = [*range(-earlier, 0), *(node for node in after if node >= 0)]
-        _push(table, slots[some], begin[some], places, values[some, : len(places) - earlier, 0])
-
-
-def _push(table: LawTable, slots: Rows, begin: Rows, places: list[int], found: Array) -> None:
-    """Forces found at the nodes `begin` + `places`, those not below 0, and stiffnesses between.
+def _join(table: LawTable, slots: Rows, nodes: Rows, values: Array) -> None:
+    """Put the `values` (k, n, 8) found at the same `nodes` (n,) in some rows (k,), from the first
+    of these on; beyond the last the rows are scaled.
 
     Of a tip that is no paraboloid the force over its own power of u is what changes slowly.
     """
-    nodes, u = table.nodes, np.arange(table.nodes + 1) / table.nodes
-    earlier, inside = len(places) - found.shape[1], np.arange(places[-1] + 1)
-    row, node = slots[:, None], begin[:, None] + inside
-    known, own = u[begin[:, None] + np.array(places)], u[node]
-    force = np.hstack((table.force[row, begin[:, None] + np.arange(-earlier, 0)], found))
-    p = np.log(force[:, 1:2] / force[:, :1]) / np.log(known[:, 1:2] / known[:, :1])
-    powers = (known[:, :1] == u[1]) & (np.abs(p - table.exponent) > BLUNT)
-    p = np.where(powers, np.clip(p, 2.0, 2.0 * table.exponent - 2.0), table.exponent)
-    line, rise = ((force / known**p) @ part.T for part in _natural(tuple(places)))
-    table.force[row, node] = own**p * line
-    slope = own ** (p - 2) * (p * line + own * nodes * rise)
-    table.stiffness[row, node] = slope / (2.0 * table.reach[row])
+    from scipy.interpolate import PchipInterpolator
+
+    row, begin, last = slots[:, None], int(nodes[0]), int(nodes[-1])
+    inside, later = np.arange(begin, last + 1), np.arange(last, table.nodes + 1)
+    u, own = nodes / table.nodes, inside / table.nodes
+    scale = values[:, -1:, 0] / table.force[row, last]
+    table.force[row, later] *= scale
+    table.stiffness[row, later] *= scale
+    table.area[row, later] *= values[:, -1:, 1] / table.area[row, last]
+    smooth = values[:, :, [1, 7, 3, 2]]
+    smooth[:, :, :2] /= u[:, None] ** 2
+    smooth = PchipInterpolator(nodes, smooth, axis=1)(inside)
+    table.area[row, inside] = own**2 * smooth[:, :, 0]
+    table.spread[row, inside] = SPREAD
+    if table.bearing is not None:
+        table.bearing[row, later] *= values[:, -1:, 7] / table.bearing[row, last]
+        table.bearing[row, inside] = own**2 * smooth[:, :, 1]
+    if table.centre is not None:
+        table.centre[row, inside] = smooth[:, :, 2:]
+    before = np.arange(max(begin - BEFORE, 1), begin)
+    force = np.hstack((table.force[row, before], values[:, :, 0]))
+    nodes = np.append(before, nodes)
+    u, p = nodes / table.nodes, np.full(row.shape, table.exponent)
+    if nodes[0] == 1:
+        tip = np.log(force[:, 1:2] / force[:, :1]) / np.log(u[1] / u[0])
+        p = np.where(np.abs(tip - p) > BLUNT, np.clip(tip, 2.0, 2.0 * p - 2.0), p)
+    line, rise = ((force / u**p) @ part.T for part in _natural(tuple(nodes.tolist()), begin))
+    table.force[row, inside] = own**p * line
+    slope = own ** (p - 2) * (p * line + own * table.nodes * rise)
+    table.stiffness[row, inside] = slope / (2.0 * table.reach[row])
 
 
 @lru_cache(maxsize=64)
-def _natural(places: tuple[int, ...]) -> tuple[Array, Array]:
-    """Natural cubic spline through the values at some `places`: itself and its slope at 0, 1 ... to
-    the last place, one column per value."""
+def _natural(nodes: tuple[int, ...], begin: int) -> tuple[Array, Array]:
+    """Natural cubic spline through the values at some nodes: itself and its slope at those from
+    `begin` to the last, one column per value."""
     from scipy.interpolate import CubicSpline
 
-    line = CubicSpline(places, np.eye(len(places)), bc_type="natural")
-    inside = np.arange(places[-1] + 1)
+    line = CubicSpline(nodes, np.eye(len(nodes)), bc_type="natural")
+    inside = np.arange(begin, nodes[-1] + 1)
     return line(inside), line(inside, 1)
-
-
-def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
-    """Scale some rows to the force and the area at a node of each, from there on."""
-    later = np.arange(table.nodes + 1) >= end[:, None]
-    scaled = [
-        (table.stiffness, values[:, 0], table.force),
-        (table.force, values[:, 0], table.force),
-        (table.area, values[:, 1], table.area),
-    ]
-    if table.bearing is not None:
-        scaled.append((table.bearing, values[:, 7], table.bearing))
-    for array, wanted, old in scaled:
-        array[slots] *= np.where(later, (wanted / old[slots, end])[:, None], 1.0)
