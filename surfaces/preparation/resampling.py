@@ -294,5 +294,5 @@ def _factors(all_points: int, count: int, fewer: int, corner: float) -> NDArray[
     shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (corner + 0.5 / count - first))
     shift *= count / old
     if kept % 2 == 0 and (count != all_points or corner != 0.0):
-        shift[-1] *= 0.5 if count > old else 0.0  # a wave of two pixels runs both ways
+        shift[-1] = 0.0
     return shift

@@ -87,13 +87,3 @@ def test_a_single_spike_keeps_the_full_grid():
     spiked = hm.replace(heights=heights)
     assert shortest_wave(spiked, 0) == pytest.approx(shortest_wave(hm, 0), rel=0.1)
     assert coarse_map(spiked) is None
-
-
-@pytest.mark.parametrize("periodic", [True, False])
-@pytest.mark.parametrize("shape", [(16, 18), (17, 18), (16, 19)])
-def test_a_map_on_finer_pixels_goes_through_its_points(shape, periodic):
-    """Rough to the pixel: finer pixels hold its waves of two pixels, too."""
-    heights = np.random.default_rng(3).standard_normal(shape)
-    hm = surfaces.HeightMap(heights, (1.0, 2.0), periodic=periodic)
-    finer = surfaces.resample(hm, (1.0 / 3.0, 2.0 / 3.0))
-    np.testing.assert_allclose(finer.heights[1::3, 1::3], heights, atol=1e-12)
