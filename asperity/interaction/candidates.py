@@ -47,13 +47,16 @@ SKIN = 0.15
 ASTRAY = 1e-3
 """Share of the load that their distance from their centres may make in the slope of the field."""
 
+MANY = 5000
+"""Closed contacts from which on the two bounds below hold; for fewer they are proportionally
+smaller, as one that leaps counts more."""
+
+ALLOWED = 0.1
+"""Part of the tolerance that this error of the load may be, no less than `ASTRAY`."""
+
 LEAPING = 0.02
 """Share of the load in contacts that leap farther than the skin beyond which lists are made for
 their new places."""
-
-MANY = 5000
-"""Closed contacts from which on that bound holds; for fewer it is proportionally smaller, as one
-that leaps counts more."""
 
 BACK = 0.5
 """Share of its way that a point is moved where it was moved the other way before: contacts on one
@@ -168,12 +171,14 @@ class CandidateList:
         _, overlap = _overlaps(system, self.others, field, separation, growth)
         return bool(np.count_nonzero(overlap > 0) > allowed)
 
-    def recentred(self, system: ContactSystem, rows: Rows, values: Array) -> CandidateList | None:
+    def recentred(
+        self, system: ContactSystem, rows: Rows, values: Array, tolerance: float
+    ) -> CandidateList | None:
         """The list with its points moved to the centres of the laws, if they are too far from them
-        at the `Point.values` of the summits `rows`, otherwise itself; None if the footprints have
-        outgrown its plan, or points are too far from their centres where they may stand. Of many
-        contacts few leap so far, to another top of their basin, and a list made for their last
-        place would be as wrong when they leap back."""
+        at the `Point.values` of the summits `rows` for a `tolerance`, otherwise itself; None if the
+        footprints have outgrown its plan, or points are too far from their centres where they may
+        stand. Of many contacts few leap so far, to another top of their basin, and a list made for
+        their last place would be as wrong when they leap back."""
         if not system.has_centres:
             return self
         touches = np.flatnonzero(values[0] > 0)
@@ -185,15 +190,16 @@ class CandidateList:
         plan = self.problem.plan
         if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
             return None
-        seen = rows[some], law, *values[[0, 2, 3]][:, some]
+        many = min(1.0, len(touches) / MANY)
+        bound = max(ASTRAY, many * ALLOWED * tolerance)
+        seen = bound, rows[some], law, *values[[0, 2, 3]][:, some]
         if not self._strayed(system, *seen):
             return self
         closed, approach = rows[touches], values[0, touches]
         listed, skin = self.listed[:, closed], SKIN * plan.eta
         reach = system.table.centre_at(closed, approach) - listed
         far = (np.abs(reach) > skin).any(axis=0)
-        few = min(1.0, len(touches) / MANY)
-        if values[1, touches[far]].sum() > few * LEAPING * values[1].sum():
+        if values[1, touches[far]].sum() > many * LEAPING * values[1].sum():
             return None
         change = np.zeros_like(self.offset)
         change[:, closed] = listed + np.clip(reach, -skin, skin) - self.offset[:, closed]
@@ -208,18 +214,19 @@ class CandidateList:
     def _strayed(
         self,
         system: ContactSystem,
+        bound: float,
         closed: Rows,
         law: Evaluated,
         approach: Array,
         *tilt: Array,
     ) -> bool:
         """Whether contacts are too far from the centres of their laws for the plan to hold, or make
-        more than the share `ASTRAY` of the load in the slope of the field."""
+        more than the share `bound` of the load in the slope of the field."""
         centre = system.table.centre_at(closed, approach)
         x, y = np.subtract(centre, self.offset[:, closed])
         lower = np.sum(law.stiffness * (tilt[0] * y + tilt[1] * x))
         astray = np.hypot(x, y) - STRAY * np.sqrt(law.area / np.pi)
-        return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > ASTRAY * law.force.sum())
+        return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 
     def areas(self, system: ContactSystem, solution: Solution) -> Array:
         """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""

@@ -69,7 +69,7 @@ def solve_at(
     if not system.interaction:
         return _independent(last, separation)
     load = None if pressure is None else pressure * system.nominal_area
-    rows, values, growth, spare, rise, listed = start_of(last, separation, pressure)
+    rows, values, growth, spare, rise, listed = start_of(last, separation, pressure, tolerance)
     field = last.field
     good: tuple[CandidateList, Solution, Array] | None = None
     steps = products = 0
@@ -123,7 +123,7 @@ def solve_at(
         # those that only just touch carry less than their share of the load
         few = LACKING * tolerance * np.count_nonzero(values[0] > 0)
         again = not (listed.lacks(system, field, separation, growth, few) or blind)
-        listed = current.recentred(system, rows, values) if again else None
+        listed = current.recentred(system, rows, values, tolerance) if again else None
         blind = False
         if listed is current:
             break
@@ -155,7 +155,9 @@ class Start(NamedTuple):
     listed: CandidateList | None
 
 
-def start_of(last: Continuation, separation: float, pressure: float | None) -> Start:
+def start_of(
+    last: Continuation, separation: float, pressure: float | None, tolerance: float
+) -> Start:
     """Where the solve of a point starts; arguments as of `solve_at`."""
     system, listed = last.system, last.candidates
     rows, values = last.predicted(separation, pressure)
@@ -165,7 +167,7 @@ def start_of(last: Continuation, separation: float, pressure: float | None) -> S
     rise = last.rise(separation, values)
     if listed is not None:
         lacks = listed.lacks(system, last.field, separation + rise, growth)
-        listed = None if lacks else listed.recentred(system, rows, values)
+        listed = None if lacks else listed.recentred(system, rows, values, tolerance)
     return Start(rows, values, growth, spare, rise, listed)
 
 

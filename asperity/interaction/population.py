@@ -158,7 +158,7 @@ def handed_on(
         separation = last.predicted_separation(pressure)
     if separation is None or len(last.candidates.index) < LARGE:
         return state
-    listed = start_of(last, separation, pressure).listed
+    listed = start_of(last, separation, pressure, tolerance).listed
     last = last.without_contacts() if listed is None else replace(last, candidates=listed)
     none = np.empty(0, np.int64)
     return replace(
