@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.bem.bounds import AREA_OVER_LOAD_ERROR
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
 from asperity.compilation import compile_ahead, curve_parts
@@ -175,7 +174,7 @@ def solve(
             curve = scene.checked(choice, run, values, asked)
         anchors = np.arange(len(values))
         if curve is None:
-            curve = scene.exact(values, asked.area, asked.load)
+            curve = scene.exact(values, asked.times(1.0))
         elif "anchor" in curve.extra:
             anchors = np.flatnonzero(curve.extra["anchor"])
         if choice.engine in ("anchored", "sampled") and len(anchors) == len(values):
@@ -284,8 +283,8 @@ class _Scene:
         """The curve of the model, corrected and bounded as chosen; None where that is of no use."""
         scene = self.kind, values
 
-        def judge(at: Array, error: float) -> ContactCurve:
-            return self.exact(at, error, asked.load)
+        def judge(at: Array, share: float) -> ContactCurve:
+            return self.exact(at, asked.times(share))
 
         if choice.engine == "anchored" or choice.plan is None:
             if not anchors_suffice(run.curve, asked):
@@ -294,13 +293,13 @@ class _Scene:
         whole = judge if self.fits else None
         return sampled(self.hm, choice.plan, run, *scene, whole, asked, self.lightest)
 
-    def exact(self, values: Array, area: float, load: float) -> ContactCurve:
-        """Boundary elements on the grid of the map, within errors of area and load."""
+    def exact(self, values: Array, accuracy: tuple[float, float]) -> ContactCurve:
+        """Boundary elements on the grid of the map, within errors of load and area."""
         return self.judge(
             self.hm,
             self.material,
             **self.loads(values),
-            accuracy=min(area, AREA_OVER_LOAD_ERROR * load),
+            accuracy=accuracy,
             boundary=self.boundary,
             progress=self.lightest,
         )
@@ -312,7 +311,7 @@ class _Scene:
             if not self.fits:
                 return UNTOLD
             first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
-            self.exact(values[[first]], 2.0 * ACCURACIES[1], ACCURACIES[1])
+            self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
         heaviest = float(pressure[curve.converged].max(initial=0.0))
         return resolution(self.hm, self.material, self.boundary, self.lightest, heaviest)
 
