@@ -33,7 +33,7 @@ from surfaces.numerics.parallel import threads as thread_count
 
 from .bounds import area_error, load_error
 from .memory import fits
-from .path import NO_LIMIT, LoadPath, follow_chains, split_loads
+from .path import NO_LIMIT, LoadPath, follow_chains, split_loads, stopping
 from .problem import ContactProblem
 
 __all__ = ["SolvedLoad", "bem_curve"]
@@ -187,7 +187,9 @@ def bem_curve(
             if stop.is_set():
                 return
             point = _solve_point(path, kind, float(values[index]), callable(progress))
-            with turn:
+            with turn, stopping(stop):
+                if stop.is_set():  # meanwhile: nobody waits for the rest
+                    return
                 solved[index] = replace(point, contact=_NO_MAP)
                 if tell is not None:
                     tell(point)

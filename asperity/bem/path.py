@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import math
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from .bounds import AREA_OVER_LOAD_ERROR, area_error, load_error
 from .correction import Outcome, PoorPredictionError, PressureOrigin
 from .problem import ContactProblem
 
-__all__ = ["NO_LIMIT", "LoadPath", "follow_chains", "split_loads"]
+__all__ = ["NO_LIMIT", "LoadPath", "follow_chains", "split_loads", "stopping"]
 
 NO_LIMIT = math.inf, math.inf
 """Accuracy in load and area of a path that keeps to the tolerance of its problem."""
@@ -89,16 +89,23 @@ def follow_chains(
         return
 
     def followed(chain: range) -> None:
-        try:
+        with stopping(stop):
             follow(chain, stop)
-        except BaseException:
-            stop.set()
-            raise
 
     try:
         apart(followed, chains)
     finally:  # of one that was interrupted
         stop.set()
+
+
+@contextlib.contextmanager
+def stopping(stop: threading.Event) -> Iterator[None]:
+    """Set `stop` where what is done fails."""
+    try:
+        yield
+    except BaseException:
+        stop.set()
+        raise
 
 
 class LoadPath:
