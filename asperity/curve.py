@@ -284,6 +284,7 @@ def _curve(
     pressure, tangent = columns["mean_pressure"], columns["stiffness"]
     converged = np.array([not row.reason for row in rows])
     area, separation = columns["contact_area"], columns["separation"]
+    stiffness = curve_stiffness(pressure, separation, tangent, converged)
     weights = plan.parameters.error_estimate
     known = 0.0 if plan.law in CALIBRATED and plan.estimated else np.nan
     load_error, area_error = (
@@ -299,7 +300,7 @@ def _curve(
         )
     body, yielded = decomposition.material, {}
     if body.hardness < np.inf:
-        yielded["unloading_stiffness"] = columns["unloading"]
+        yielded["unloading_stiffness"] = np.maximum(columns["unloading"], stiffness)
         yielded["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
         area_error = area_error * yielded_factor(yielded["plastic_share"], weights)
     compared = {name: columns[name] for name in ("interaction_difference",) if name in columns}
@@ -311,7 +312,7 @@ def _curve(
         area_fraction=area / hm.area,
         contact_area=area,
         contacts=columns["contacts"],
-        stiffness=curve_stiffness(pressure, separation, tangent, converged),
+        stiffness=stiffness,
         converged=converged,
         residual=columns["residual"],
         error_estimate=load_error,

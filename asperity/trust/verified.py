@@ -299,6 +299,8 @@ def corrected(
     if yielded:
         least = pressure * hm.area / settings["hardness"]
         columns["contact_area"] = np.maximum(columns["contact_area"], least)
+        loading, falling = columns["stiffness"], extra["unloading_stiffness"]
+        extra["unloading_stiffness"] = np.maximum(falling, loading)
     return replace(
         model,
         **columns,
