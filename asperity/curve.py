@@ -24,7 +24,7 @@ from asperity.model.load_point import (
     spot_count,
 )
 from asperity.model.plan import Plan, interaction_needed, make_plan, require_plan
-from asperity.progress import Progress, reported
+from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
 from asperity.trust.error_estimate import (
@@ -177,6 +177,7 @@ def solve_loads(
     comes near the height below which nothing was segmented, all are solved again on the whole map.
     """
     kind, values = checked_loads(hm, material, pressures, separations)
+    require_function("checkpoint", checkpoint)
     compile_ahead(*curve_parts(material.hardness))
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)

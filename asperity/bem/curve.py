@@ -23,7 +23,7 @@ from asperity.halfspace.scene import (
     map_facts,
     pressure_scale,
 )
-from asperity.progress import Progress, reported
+from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import POINT_FIELDS
 from surfaces.errors import as_numbers
@@ -138,6 +138,7 @@ def bem_curve(
     """
     compile_ahead("bem")
     kind, values = checked_loads(hm, material, pressures, separations)
+    require_function("checkpoint", checkpoint)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
     warnings = scene_warnings(hm, material)

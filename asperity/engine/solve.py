@@ -19,7 +19,7 @@ from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.plan import make_plan
-from asperity.progress import Progress, reported
+from asperity.progress import Progress, reported, require_function
 from asperity.trust.verified import (
     LEAST_LOADS,
     Accuracy,
@@ -143,6 +143,7 @@ def solve(
         raise InputError(f"engine is {engine!r}; give one of {', '.join(ENGINES)}")
     if verify not in ("auto", True, False):
         raise InputError(f"verify is {verify!r}; give 'auto' or False")
+    require_function("judge", judge)
     kind, values = checked_loads(hm, material, pressures, separations)
     with reported(progress, None, "boundary elements") as tell:
         scene = _Scene(

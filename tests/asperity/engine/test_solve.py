@@ -227,6 +227,8 @@ def test_the_model_answers_where_boundary_elements_do_not_fit(monkeypatch):
         ({"area_accuracy": 2.0}, "area_accuracy is 2.0"),
         ({"engine": "fem"}, "engine is 'fem'"),
         ({"verify": "often"}, "verify is 'often'"),
+        ({"progress": 1}, "progress is 1; give a function"),
+        ({"judge": "bem"}, "judge is 'bem'; give a function"),
     ],
 )
 def test_bad_input_is_told_in_one_sentence(wrong, text):
