@@ -169,15 +169,12 @@ def solve(
             clock.stage("model")
         curve = None
         if choice.engine == "model":
-            none = np.zeros(len(values), bool)
-            curve = replace(run.curve, extra={**run.curve.extra, "anchor": none})
+            curve = _marked(run.curve, False)
         elif choice.engine != "bem":
             curve = scene.checked(choice, run, values, asked)
-        anchors = np.arange(len(values))
         if curve is None:
             curve = scene.exact(values, asked.times(1.0))
-        elif "anchor" in curve.extra:
-            anchors = np.flatnonzero(curve.extra["anchor"])
+        anchors = np.flatnonzero(curve.extra["anchor"])
         if choice.engine in ("anchored", "sampled") and len(anchors) == len(values):
             why = f"{choice.reason}; but the model did not hold so well"
             choice = choice._replace(engine="bem", reason=why)
@@ -296,7 +293,7 @@ class _Scene:
 
     def exact(self, values: Array, accuracy: tuple[float, float]) -> ContactCurve:
         """Boundary elements on the grid of the map, within errors of load and area."""
-        return self.judge(
+        found = self.judge(
             self.hm,
             self.material,
             **self.loads(values),
@@ -304,6 +301,7 @@ class _Scene:
             boundary=self.boundary,
             progress=self.lightest,
         )
+        return _marked(found, True)
 
     def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
         """What the pixels leave open of a curve."""
@@ -315,6 +313,11 @@ class _Scene:
             self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
         heaviest = float(pressure[curve.converged].max(initial=0.0))
         return resolution(self.hm, self.material, self.boundary, self.lightest, heaviest)
+
+
+def _marked(curve: ContactCurve, anchor: bool) -> ContactCurve:
+    """A curve of which all or no load points are solved by boundary elements."""
+    return replace(curve, extra={**curve.extra, "anchor": np.full(len(curve), anchor)})
 
 
 def _met(curve: ContactCurve, asked: Accuracy) -> bool:

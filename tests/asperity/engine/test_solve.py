@@ -143,7 +143,9 @@ def test_boundary_elements_alone_where_they_are_cheaper():
     hm = waves()
     plan = make_plan(hm, BODY)
     seconds = forecast(hm, BODY, plan, 10)
-    assert seconds["bem"] < seconds["anchored"] and solve(hm, BODY).settings["engine"] == "bem"
+    curve = solve(hm, BODY)
+    assert seconds["bem"] < seconds["anchored"] and curve.settings["engine"] == "bem"
+    assert curve.extra["anchor"].all() and len(curve.verification["anchors"]) == len(curve)
     large = waves(1024, cutoff=None, rolloff=256.0)
     seconds = forecast(large, BODY, make_plan(large, BODY), 60)
     assert seconds["bem"] > max(seconds["anchored"], seconds["sampled"])
