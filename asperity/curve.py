@@ -24,7 +24,7 @@ from asperity.model.load_point import (
     spot_count,
 )
 from asperity.model.plan import Plan, interaction_needed, make_plan, require_plan
-from asperity.progress import Progress, reported
+from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
 from asperity.trust.error_estimate import (
@@ -177,6 +177,7 @@ def solve_loads(
     comes near the height below which nothing was segmented, all are solved again on the whole map.
     """
     kind, values = checked_loads(hm, material, pressures, separations)
+    require_function("checkpoint", checkpoint)
     compile_ahead(*curve_parts(material.hardness))
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
@@ -284,6 +285,7 @@ def _curve(
     pressure, tangent = columns["mean_pressure"], columns["stiffness"]
     converged = np.array([not row.reason for row in rows])
     area, separation = columns["contact_area"], columns["separation"]
+    stiffness = curve_stiffness(pressure, separation, tangent, converged)
     weights = plan.parameters.error_estimate
     known = 0.0 if plan.law in CALIBRATED and plan.estimated else np.nan
     load_error, area_error = (
@@ -299,7 +301,7 @@ def _curve(
         )
     body, yielded = decomposition.material, {}
     if body.hardness < np.inf:
-        yielded["unloading_stiffness"] = columns["unloading"]
+        yielded["unloading_stiffness"] = np.maximum(columns["unloading"], stiffness)
         yielded["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
         area_error = area_error * yielded_factor(yielded["plastic_share"], weights)
     compared = {name: columns[name] for name in ("interaction_difference",) if name in columns}
@@ -311,7 +313,7 @@ def _curve(
         area_fraction=area / hm.area,
         contact_area=area,
         contacts=columns["contacts"],
-        stiffness=curve_stiffness(pressure, separation, tangent, converged),
+        stiffness=stiffness,
         converged=converged,
         residual=columns["residual"],
         error_estimate=load_error,

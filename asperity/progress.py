@@ -6,10 +6,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["Progress", "bar", "reported"]
+from asperity.errors import InputError
+
+__all__ = ["Progress", "bar", "reported", "require_function"]
 
 Progress = bool | Callable[[Any], object] | None
 """What `progress` of a public function takes: True for a bar, or a function that is called."""
+
+
+def require_function(name: str, given: object) -> None:
+    """Refuse what cannot be called, before it would be; None is not to be."""
+    if given is not None and not callable(given):
+        raise InputError(f"{name} is {given!r}; give a function, or leave it out")
 
 
 @contextmanager
@@ -42,4 +50,5 @@ def reported(
         with bar(total, label, hidden=False) as advance:
             yield advance
     else:
+        require_function("progress", progress or None)
         yield progress or None

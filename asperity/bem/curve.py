@@ -23,17 +23,17 @@ from asperity.halfspace.scene import (
     map_facts,
     pressure_scale,
 )
-from asperity.progress import Progress, reported
+from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import POINT_FIELDS
-from surfaces.errors import as_number
+from surfaces.errors import as_numbers
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import apart
 from surfaces.numerics.parallel import threads as thread_count
 
 from .bounds import area_error, load_error
 from .memory import fits
-from .path import LoadPath, follow_chains, split_loads
+from .path import NO_LIMIT, LoadPath, follow_chains, split_loads, stopping
 from .problem import ContactProblem
 
 __all__ = ["SolvedLoad", "bem_curve"]
@@ -92,7 +92,7 @@ def bem_curve(
     separations: ArrayLike | None = None,
     tolerance: float = 1e-6,
     boundary: str | None = None,
-    accuracy: float | None = None,
+    accuracy: float | tuple[float, float] | None = None,
     progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
@@ -108,8 +108,8 @@ def bem_curve(
         separations [m]. With neither: 10 geometric loads for about 0.1 % to 10 % of contact,
         from the rms slope and the modulus.
     accuracy
-        Relative error allowed in load and corrected area [-], 1e-4 to 0.2, in place of a
-        tolerance: each load is solved until its certificate bounds the error by that.
+        Relative error allowed in load and corrected area [-], 1e-4 to 0.2, or one for each, in
+        place of a tolerance: each load is solved until its certificate bounds the error by that.
     progress
         True for a progress bar, or a function called with every finished load point
         (`SolvedLoad`), with its contact map; one call at a time.
@@ -138,6 +138,7 @@ def bem_curve(
     """
     compile_ahead("bem")
     kind, values = checked_loads(hm, material, pressures, separations)
+    require_function("checkpoint", checkpoint)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
     warnings = scene_warnings(hm, material)
@@ -149,8 +150,10 @@ def bem_curve(
         "warnings": warnings,
     }
     hm = hm.about_mean
+    allowed = NO_LIMIT
     if accuracy is not None:
-        asked |= {"accuracy": _require_accuracy(accuracy)}
+        allowed = _require_accuracy(accuracy)
+        asked |= {"accuracy": allowed[0] if allowed[0] == allowed[1] else [*allowed]}
         tolerance = _LOOSEST
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
     chains = split_loads(_shares(kind, values[order]), hm.heights.size)
@@ -180,12 +183,14 @@ def bem_curve(
         return replace(found, extra={f"asked_{kind}": values[indices], **found.extra})
 
     def follow(chain: range, stop: threading.Event) -> None:
-        path = LoadPath(problems[-1] if chain.start else problem, accuracy or math.inf)
+        path = LoadPath(problems[-1] if chain.start else problem, allowed)
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return
             point = _solve_point(path, kind, float(values[index]), callable(progress))
-            with turn:
+            with turn, stopping(stop):
+                if stop.is_set():  # meanwhile: nobody waits for the rest
+                    return
                 solved[index] = replace(point, contact=_NO_MAP)
                 if tell is not None:
                     tell(point)
@@ -197,11 +202,15 @@ def bem_curve(
     return curve_of([*range(len(values))])
 
 
-def _require_accuracy(accuracy: float) -> float:
-    """Refuse an accuracy that is no relative error from 1e-4 to 0.2."""
-    if not 1e-4 <= as_number("accuracy", accuracy) <= 0.2:
-        raise InputError(f"accuracy is {accuracy!r}; give a relative error from 1e-4 to 0.2")
-    return accuracy
+def _require_accuracy(accuracy: float | tuple[float, float]) -> tuple[float, float]:
+    """Relative errors allowed in load and area; refused if they are not from 1e-4 to 0.2."""
+    found = as_numbers("accuracy", accuracy).ravel().tolist()
+    if len(found) not in (1, 2) or not all(1e-4 <= each <= 0.2 for each in found):
+        raise InputError(
+            f"accuracy is {accuracy!r}; give a relative error from 1e-4 to 0.2, or two: of load "
+            "and of area"
+        )
+    return found[0], found[-1]
 
 
 def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:

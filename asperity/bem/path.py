@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import math
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,10 @@ from .bounds import AREA_OVER_LOAD_ERROR, area_error, load_error
 from .correction import Outcome, PoorPredictionError, PressureOrigin
 from .problem import ContactProblem
 
-__all__ = ["LoadPath", "follow_chains", "split_loads"]
+__all__ = ["NO_LIMIT", "LoadPath", "follow_chains", "split_loads", "stopping"]
+
+NO_LIMIT = math.inf, math.inf
+"""Accuracy in load and area of a path that keeps to the tolerance of its problem."""
 
 _LEAST_LOADS = 8
 """Loads from which on there are two chains."""
@@ -86,16 +89,23 @@ def follow_chains(
         return
 
     def followed(chain: range) -> None:
-        try:
+        with stopping(stop):
             follow(chain, stop)
-        except BaseException:
-            stop.set()
-            raise
 
     try:
         apart(followed, chains)
     finally:  # of one that was interrupted
         stop.set()
+
+
+@contextlib.contextmanager
+def stopping(stop: threading.Event) -> Iterator[None]:
+    """Set `stop` where what is done fails."""
+    try:
+        yield
+    except BaseException:
+        stop.set()
+        raise
 
 
 class LoadPath:
@@ -106,7 +116,7 @@ class LoadPath:
     problem
         Map, material and boundary, planned.
     accuracy
-        Relative error allowed in load and area: where the certificate leaves more, a load is
+        Relative errors allowed in load and area: where the certificate leaves more, a load is
         solved further, to a smaller tolerance than that of the problem, with which the next load
         begins. The first one begins with that which its coarser grid would need.
 
@@ -120,7 +130,7 @@ class LoadPath:
     to more than four times the load, and any whose prediction turns out to be poor.
     """
 
-    def __init__(self, problem: ContactProblem, accuracy: float = math.inf) -> None:
+    def __init__(self, problem: ContactProblem, accuracy: tuple[float, float] = NO_LIMIT) -> None:
         self.problem = problem
         self._accuracy = accuracy
         self._tolerance = problem.tolerance
@@ -151,8 +161,8 @@ class LoadPath:
         if outcome is None:
             coarse = problem.start(load, offset)
             if coarse is not None and coarse.converged:
-                area = AREA_OVER_LOAD_ERROR * load_error(problem, coarse)
-                self._needed_tolerance(coarse, area, 0.0)
+                load_left = load_error(problem, coarse)
+                self._needed_tolerance(coarse, load_left, AREA_OVER_LOAD_ERROR * load_left, 0.0)
             outcome = problem.solve(load, offset, self._tolerance, PressureOrigin.PROLONGED)
             outcome.iterations += coarse.iterations if coarse is not None else 0
         outcome = self._sharpened(outcome, load, offset)
@@ -162,26 +172,28 @@ class LoadPath:
     def _sharpened(self, outcome: Outcome, load: float, offset: float | None) -> Outcome:
         """Solve further until load and area are known to the accuracy: mostly once, again where
         points open or close together."""
-        for _ in range(_MOST_TIMES if self._accuracy < math.inf else 0):
+        for _ in range(_MOST_TIMES if self._accuracy < NO_LIMIT else 0):
             area, grain = area_error(self.problem, outcome)
-            error = max(area, load_error(self.problem, outcome) + grain)
-            if error <= grain or not outcome.converged:
+            error = load_error(self.problem, outcome), area
+            if max(error[0], area - grain) <= 0.0 or not outcome.converged:
                 break
-            tolerance = self._needed_tolerance(outcome, error - grain, grain)
-            if error <= self._accuracy or tolerance >= outcome.tolerance:
+            tolerance = self._needed_tolerance(outcome, error[0], area - grain, grain)
+            met = error[0] <= self._accuracy[0] and area <= self._accuracy[1]
+            if met or tolerance >= outcome.tolerance:
                 break
             spent = outcome.iterations
             outcome = self.problem.solve(load, offset, tolerance, PressureOrigin.SOLVED)
             outcome.iterations += spent
         return outcome
 
-    def _needed_tolerance(self, outcome: Outcome, error: float, grain: float) -> float:
+    def _needed_tolerance(self, outcome: Outcome, load: float, area: float, grain: float) -> float:
         """Tolerance at which load and area would be within the accuracy, where an outcome leaves
-        such an error beside that of a pixel; the next load begins with it."""
-        if not 0.0 < error < math.inf:
+        such errors, of the area beside that of a pixel; the next load begins with it."""
+        allowed = max(self._accuracy[1] - grain, _LEAST_SHARE * self._accuracy[1])
+        over = max(load / self._accuracy[0], area / allowed)
+        if not 0.0 < over < math.inf:
             return outcome.tolerance
-        allowed = max(self._accuracy - grain, _LEAST_SHARE * self._accuracy)
-        tolerance = max(_AIM * outcome.tolerance * allowed / error, _SHARPEST)
+        tolerance = max(_AIM * outcome.tolerance / over, _SHARPEST)
         self._tolerance = min(tolerance, self.problem.tolerance)
         return tolerance
 

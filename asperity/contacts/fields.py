@@ -194,7 +194,10 @@ class _Grid:
         order = np.lexsort((-height, self.contact))
         height = height[order]
         end = np.append(self.first[1:], len(order))
-        least = np.ceil(force[self.closed] / (self.hardness * size) - 1e-9).astype(np.int64)
+        # what a basin does not bear at the hardness is left to the other contacts
+        total, room = force[self.closed] / size, self.hardness * (end - self.first).astype(float)
+        total = _scaled(total, np.array([0]), total.sum(keepdims=True), room)
+        least = np.ceil(total / self.hardness - 1e-9).astype(np.int64)
         whole = np.maximum(_whole(area[self.closed] / size), least)
         stop = np.minimum(self.first + whole, end)
         level = height[np.minimum(stop, end - 1)]
@@ -204,30 +207,36 @@ class _Grid:
         over += 1e-9 * over.max() + np.finfo(float).tiny  # equal heights press alike
         taken = np.arange(len(order)) < self._at_pixels(stop)
         over[~taken] = 0.0
-        pressure = self._scaled(over, force[self.closed] / size)
+        pressure = _scaled(over, self.first, total, self.hardness)
         return self.pixel[order][taken], self.contact[taken], pressure[taken]
-
-    def _scaled(self, over: Array, total: Array) -> Array:
-        """Pressures [Pa] of the pixels, `over` times a factor for each contact but at most the
-        hardness, that add up to `total` in each."""
-        pressure = over * self._at_pixels(total / np.add.reduceat(over, self.first))
-        while (pressure > self.hardness).any():  # what is too much is left to the others
-            held = pressure >= self.hardness
-            free = np.add.reduceat(np.where(held, 0.0, pressure), self.first)
-            left = total - self.hardness * np.add.reduceat(held.astype(float), self.first)
-            factor = np.divide(left, free, out=np.ones(free.shape), where=free > 0.0)
-            pressure = np.where(held, self.hardness, pressure * self._at_pixels(factor))
-        return np.asarray(pressure)
 
     def _at_pixels(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values of the contacts, at the pixels of their basins."""
-        return np.repeat(values, np.diff(np.append(self.first, len(self.pixel))))
+        return _spread(values, self.first, len(self.pixel))
 
     def _through(self, field: Array, factor: Array) -> Array:
         waves = fft.rfft2(field, s=self.padded, workers=threads())
         waves *= factor
         found = fft.irfft2(waves, s=self.padded, workers=threads(), overwrite_x=True)
         return np.asarray(found[: self.hm.shape[0], : self.hm.shape[1]])
+
+
+def _scaled(over: Array, first: Index, total: Array, most: float | Array) -> Array:
+    """Values `over` times a factor for each run that begins at `first` but at most `most`, that add
+    up to `total` in each."""
+    found = over * _spread(total / np.add.reduceat(over, first), first, len(over))
+    while (found > most).any():  # what is too much is left to the others
+        held = found >= most
+        free = np.add.reduceat(np.where(held, 0.0, found), first)
+        left = total - np.add.reduceat(np.where(held, most, 0.0), first)
+        factor = np.divide(left, free, out=np.ones(free.shape), where=free > 0.0)
+        found = np.where(held, most, found * _spread(factor, first, len(over)))
+    return np.asarray(found)
+
+
+def _spread(values: NDArray[Any], first: Index, count: int) -> NDArray[Any]:
+    """Values of runs that begin at `first`, of `count` places in all, at each place."""
+    return np.repeat(values, np.diff(np.append(first, count)))
 
 
 def _image(hm: HeightMap, pixel: Index, contact: Index, pressure: Array) -> Array:

@@ -34,7 +34,7 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
     Structured array, largest spot first, with x, y [m] (centre of the pressure), area [m^2],
     force [N], mean_pressure, peak_pressure [Pa] and pixels [-]. Forces add up to the load, areas
     to the contact area of the curve: the pixels of a contact share its area, so that spots of
-    contacts smaller than a pixel have less than one.
+    contacts smaller than a pixel have less than one; none bears more than the hardness.
 
     Notes
     -----
@@ -53,7 +53,8 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
     count = int(own.max(initial=-1)) + 1
     force = pressure * (hm.spacing[0] * hm.spacing[1])
     of_contact = np.bincount(contact, minlength=len(point.closed_area))
-    share = point.closed_area[contact] / of_contact[contact]
+    even = point.closed_area[contact] / of_contact[contact]
+    share = _shares(even, force / decomposition.material.hardness)
 
     def total(values: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.bincount(own, weights=values, minlength=count).astype(float, copy=False)
@@ -64,6 +65,7 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
     carried, area = total(force), total(share)
     peak = np.zeros(count)
     np.maximum.at(peak, own, np.bincount(pixel, weights=pressure)[pixel])
+    mean = carried / area
     places = []
     for step, shape, index in zip(hm.spacing, hm.shape, np.divmod(pixel, hm.shape[1]), strict=True):
         away = index - index[top][own]
@@ -77,12 +79,20 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
             "y": places[0],
             "area": area,
             "force": carried,
-            "mean_pressure": carried / area,
-            "peak_pressure": peak,
+            "mean_pressure": mean,
+            "peak_pressure": np.maximum(peak, mean),  # spots may be smaller than their pixels
             "pixels": np.bincount(np.unique([own, pixel], axis=1)[0], minlength=count),
         }
     )
     return table[np.argsort(-area, kind="stable")]
+
+
+def _shares(even: NDArray[np.float64], least: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Areas [m^2] of pixels, of the same sum as the even ones but none below the least."""
+    share = np.maximum(even, least)
+    spare = share - least
+    excess = share.sum() - even.sum()
+    return np.asarray(share - spare * (excess / max(spare.sum(), np.finfo(float).tiny)))
 
 
 def _joined(

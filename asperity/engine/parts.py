@@ -142,7 +142,7 @@ def sampled(
 
     def on_whole(which: NDArray[np.bool_]) -> None:
         if judge is not None:
-            solved.update(solved_points(judge, values, at[which], JUDGE_SHARE * accuracy.area))
+            solved.update(solved_points(judge, values, at[which], JUDGE_SHARE))
 
     misfit, bounds, floor = misfit_on_parts(
         judged, hm, plan, model, at, shares, allowed, None if judge is None else on_whole
@@ -167,7 +167,7 @@ def sampled(
     if judge is not None:
         met = points[_within(bounds, grain, allowed)]
         rest = np.setdiff1d(np.arange(len(model)), [*met, *solved])
-        solved |= solved_points(judge, values, rest, accuracy.area)
+        solved |= solved_points(judge, values, rest, 1.0)
     bounds[1] += grain
     return corrected(hm, model, kind, points, np.nan_to_num(misfit), bounds, solved)
 

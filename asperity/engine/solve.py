@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.bem.bounds import AREA_OVER_LOAD_ERROR
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
 from asperity.compilation import compile_ahead, curve_parts
@@ -20,7 +19,7 @@ from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.plan import make_plan
-from asperity.progress import Progress, reported
+from asperity.progress import Progress, reported, require_function
 from asperity.trust.verified import (
     LEAST_LOADS,
     Accuracy,
@@ -144,6 +143,7 @@ def solve(
         raise InputError(f"engine is {engine!r}; give one of {', '.join(ENGINES)}")
     if verify not in ("auto", True, False):
         raise InputError(f"verify is {verify!r}; give 'auto' or False")
+    require_function("judge", judge)
     kind, values = checked_loads(hm, material, pressures, separations)
     with reported(progress, None, "boundary elements") as tell:
         scene = _Scene(
@@ -169,15 +169,12 @@ def solve(
             clock.stage("model")
         curve = None
         if choice.engine == "model":
-            none = np.zeros(len(values), bool)
-            curve = replace(run.curve, extra={**run.curve.extra, "anchor": none})
+            curve = _marked(run.curve, False)
         elif choice.engine != "bem":
             curve = scene.checked(choice, run, values, asked)
-        anchors = np.arange(len(values))
         if curve is None:
-            curve = scene.exact(values, asked.area, asked.load)
-        elif "anchor" in curve.extra:
-            anchors = np.flatnonzero(curve.extra["anchor"])
+            curve = scene.exact(values, asked.times(1.0))
+        anchors = np.flatnonzero(curve.extra["anchor"])
         if choice.engine in ("anchored", "sampled") and len(anchors) == len(values):
             why = f"{choice.reason}; but the model did not hold so well"
             choice = choice._replace(engine="bem", reason=why)
@@ -284,8 +281,8 @@ class _Scene:
         """The curve of the model, corrected and bounded as chosen; None where that is of no use."""
         scene = self.kind, values
 
-        def judge(at: Array, error: float) -> ContactCurve:
-            return self.exact(at, error, asked.load)
+        def judge(at: Array, share: float) -> ContactCurve:
+            return self.exact(at, asked.times(share))
 
         if choice.engine == "anchored" or choice.plan is None:
             if not anchors_suffice(run.curve, asked):
@@ -294,16 +291,17 @@ class _Scene:
         whole = judge if self.fits else None
         return sampled(self.hm, choice.plan, run, *scene, whole, asked, self.lightest)
 
-    def exact(self, values: Array, area: float, load: float) -> ContactCurve:
-        """Boundary elements on the grid of the map, within errors of area and load."""
-        return self.judge(
+    def exact(self, values: Array, accuracy: tuple[float, float]) -> ContactCurve:
+        """Boundary elements on the grid of the map, within errors of load and area."""
+        found = self.judge(
             self.hm,
             self.material,
             **self.loads(values),
-            accuracy=min(area, AREA_OVER_LOAD_ERROR * load),
+            accuracy=accuracy,
             boundary=self.boundary,
             progress=self.lightest,
         )
+        return _marked(found, True)
 
     def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
         """What the pixels leave open of a curve."""
@@ -312,9 +310,14 @@ class _Scene:
             if not self.fits:
                 return UNTOLD
             first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
-            self.exact(values[[first]], 2.0 * ACCURACIES[1], ACCURACIES[1])
+            self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
         heaviest = float(pressure[curve.converged].max(initial=0.0))
         return resolution(self.hm, self.material, self.boundary, self.lightest, heaviest)
+
+
+def _marked(curve: ContactCurve, anchor: bool) -> ContactCurve:
+    """A curve of which all or no load points are solved by boundary elements."""
+    return replace(curve, extra={**curve.extra, "anchor": np.full(len(curve), anchor)})
 
 
 def _met(curve: ContactCurve, asked: Accuracy) -> bool:

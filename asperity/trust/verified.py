@@ -41,7 +41,7 @@ Solved = dict[int, ContactCurve]
 """Curves of one load point each, by its number."""
 
 Judge = Callable[[Array, float], ContactCurve]
-"""Solves load points by boundary elements, within an error of the area."""
+"""Solves load points by boundary elements, within a share of the accuracy asked for."""
 
 JUDGE_SHARE = 0.15
 """Error of boundary elements at anchors over the accuracy asked for."""
@@ -92,6 +92,10 @@ class Accuracy:
     load: float = 0.05
     area: float = 0.1
 
+    def times(self, share: float) -> tuple[float, float]:
+        """A share of the errors of load and area."""
+        return share * self.load, share * self.area
+
 
 def anchored(
     hm: HeightMap, material: HalfSpace, model: ContactCurve, engine: Callable[..., ContactCurve]
@@ -101,11 +105,13 @@ def anchored(
     kind = name.removeprefix("asked_")
     begun = time.perf_counter()
 
-    def judge(at: Array, error: float) -> ContactCurve:
-        loads: dict[str, Any] = {f"{kind}s": at}
-        return engine(hm, material, **loads, accuracy=error, boundary=model.settings["boundary"])
+    asked, boundary = Accuracy(), model.settings["boundary"]
 
-    curve = verified(hm, model, kind, values, judge, Accuracy())
+    def judge(at: Array, share: float) -> ContactCurve:
+        loads: dict[str, Any] = {f"{kind}s": at}
+        return engine(hm, material, **loads, accuracy=asked.times(share), boundary=boundary)
+
+    curve = verified(hm, model, kind, values, judge, asked)
     seconds = {**model.seconds, "verification": time.perf_counter() - begun}
     return replace(curve, seconds=seconds)
 
@@ -130,17 +136,17 @@ def verified(
     points = answered(model)
     others = np.setdiff1d(np.arange(len(model)), points)
     if (count := len(points)) < LEAST_LOADS:
-        return judge(values, accuracy.area)
+        return judge(values, 1.0)
     position = np.log(model.mean_pressure[points])
     prior, plastic = _prior_estimates(model, points)
     first = FIRST_ANCHORS[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
     grain = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
-    solved = solved_points(judge, values, others, accuracy.area)
+    solved = solved_points(judge, values, others, 1.0)
     while True:
         new = [i for i in points[anchors] if i not in solved]
-        error = accuracy.area * (JUDGE_SHARE if len(anchors) < count else 1.0)
-        solved |= solved_points(judge, values, np.array(new), error)
+        share = JUDGE_SHARE if len(anchors) < count else 1.0
+        solved |= solved_points(judge, values, np.array(new), share)
         known = misfit_at(model, kind, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
         floors = prior * np.maximum(PRIOR_SHARE + plastic, broken if broken > 1.0 else 0.0)
@@ -182,11 +188,11 @@ def pixel_scatter(hm: HeightMap, model: ContactCurve) -> Array:
     return np.asarray(scatter / np.maximum(pixels, 1e-300))
 
 
-def solved_points(judge: Judge, values: Array, new: Indices, error: float) -> Solved:
-    """Load points solved by boundary elements, within an error of the area."""
+def solved_points(judge: Judge, values: Array, new: Indices, share: float) -> Solved:
+    """Load points solved by boundary elements, within a share of the accuracy asked for."""
     if not new.size:
         return {}
-    curve = judge(values[new], error)
+    curve = judge(values[new], share)
     return {int(i): curve.select([at]) for at, i in enumerate(new)}
 
 
@@ -293,6 +299,8 @@ def corrected(
     if yielded:
         least = pressure * hm.area / settings["hardness"]
         columns["contact_area"] = np.maximum(columns["contact_area"], least)
+        loading, falling = columns["stiffness"], extra["unloading_stiffness"]
+        extra["unloading_stiffness"] = np.maximum(falling, loading)
     return replace(
         model,
         **columns,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from strategies import rough
 
-from asperity import HalfSpace, bem_curve, bem_solve
+from asperity import HalfSpace, bem_curve, bem_solve, contact_curve
 from asperity.errors import InputError
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -98,3 +98,11 @@ def test_progress_sees_every_point_with_its_map():
     assert [p for p, _ in seen] == pytest.approx([0.02, 0.2])
     raw = curve.extra["contact_area_raw"] / 1.5
     assert [a for _, a in seen] == pytest.approx(raw[::-1].tolist())
+
+
+@pytest.mark.parametrize("curve", [bem_curve, contact_curve])
+@pytest.mark.parametrize("name", ["progress", "checkpoint"])
+def test_what_cannot_be_called_is_refused_before_the_work(curve, name):
+    """It was found out after the first load point, as a TypeError."""
+    with pytest.raises(InputError, match=f"{name} is 3; give a function"):
+        curve(rough((24, 30)), BODY, pressures=[0.1], **{name: 3})

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from strategies import rough
 
-from asperity import HalfSpace, bem_curve, bem_solve
+from asperity import HalfSpace, InputError, bem_curve, bem_solve
 from asperity.halfspace.scene import default_pressures
 from surfaces import HeightMap, self_affine
 
@@ -143,6 +143,20 @@ def test_an_accuracy_is_held_on_the_grid_of_the_map(make, accuracy):
     load, area = errors(curve, exact)
     assert (area <= accuracy).all() and (load <= accuracy).all()
     assert (curve.error_estimate <= accuracy).all()
+
+
+def test_load_and_area_may_be_asked_for_apart():
+    hm = waves(5)
+    loads = default_pressures(hm, BODY, 3)
+    one = bem_curve(hm, BODY, pressures=loads, accuracy=0.02)
+    other = bem_curve(hm, BODY, pressures=loads, accuracy=(0.2, 0.02))
+    np.testing.assert_array_equal(one.separation, other.separation)
+    load = bem_curve(hm, BODY, pressures=loads, accuracy=(0.002, 0.2))
+    assert (load.error_estimate <= 0.002).all() and (one.error_estimate > 0.002).any()
+    assert load.settings["accuracy"] == [0.002, 0.2] and one.settings["accuracy"] == 0.02
+    for wrong in ((0.1, 0.3), (0.1, 0.1, 0.1), "high", 1e-5):
+        with pytest.raises(InputError, match="accuracy"):
+            bem_curve(hm, BODY, pressures=loads, accuracy=wrong)
 
 
 def test_no_load_has_no_error():
