@@ -13,9 +13,6 @@ from .numerics.stored_array import Source, windows
 
 __all__ = ["count_patches", "label_patches", "points_at", "root"]
 
-_STRIP = 1 << 20
-"""Pixels whose patches are found at once where they are counted only."""
-
 
 def label_patches(
     mask: NDArray[np.bool_], *, periodic: bool, corners: bool = True
@@ -26,43 +23,19 @@ def label_patches(
     that meet at a corner if `corners`.
     """
     labels, count = _components(mask, 8 if corners else 4)
-    shifts = (-1, 0, 1) if corners else (0,)
-    if not periodic or count == 1:
-        return labels, count - 1
-    lines = (labels[0], labels[-1]), (labels[:, 0], labels[:, -1])
-    pairs = np.concatenate([_meeting(first, last, shifts) for first, last in lines])
-    if not len(pairs):
-        return labels, count - 1
-    target = _merged(pairs, count)
-    return target[labels], int(target.max())
+    joined = _across_seam(labels, corners) if periodic else {}
+    if joined:
+        first = np.arange(count)
+        for label, lower in sorted(joined.items()):
+            first[label] = first[lower]
+        labels = (np.cumsum(first == np.arange(count), dtype=np.int32) - 1)[first][labels]
+    return labels, count - 1 - len(joined)
 
 
 def count_patches(mask: NDArray[np.bool_], *, periodic: bool) -> int:
-    """Number of the patches of a mask that `label_patches` finds, in strips of rows: the labels of
-    a whole map would take four bytes for each pixel."""
-    count, step = 0, max(1, _STRIP // mask.shape[1])
-    strips = []
-    for y in range(0, len(mask), step):
-        labels, found = _components(mask[y : y + step], 8)
-        lines = labels[0], labels[-1], labels[:, 0], labels[:, -1]
-        strips.append([np.where(line > 0, line + count, 0) for line in lines])
-        count += found - 1
-    top, bottom, left, right = zip(*strips, strict=True)
-    beside = list(zip(bottom[:-1], top[1:], strict=True))
-    if periodic:
-        beside += [(bottom[-1], top[0]), (np.concatenate(left), np.concatenate(right))]
-    else:  # nothing follows the last column
-        beside = [(np.append(first, 0), np.append(last, 0)) for first, last in beside]
-    parent: dict[int, int] = {}
-    for first, last in beside:
-        for a, b in _meeting(first, last, (-1, 0, 1)).tolist():
-            while a in parent:
-                a = parent[a]
-            while b in parent:
-                b = parent[b]
-            if a != b:
-                parent[max(a, b)] = min(a, b)
-    return count - len(parent)
+    """Number of the patches of a mask that `label_patches` finds."""
+    labels, count = _components(mask, 8)
+    return count - 1 - len(_across_seam(labels, True) if periodic else ())
 
 
 def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int32], int]:
@@ -75,28 +48,27 @@ def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int
     return np.asarray(labels, np.int32), count
 
 
-def _meeting(
-    first: NDArray[np.int32], last: NDArray[np.int32], shifts: tuple[int, ...]
-) -> NDArray[np.int32]:
-    """Pairs of different labels that meet where two lines of pixels lie side by side, and moved
-    along each other by `shifts`, round the end, shape (k, 2)."""
-    other = last[np.subtract.outer(np.arange(len(last)), shifts).T % len(last)]
-    own = np.broadcast_to(first, other.shape)
-    apart = (own > 0) & (other > 0) & (own != other)
-    return np.stack((own[apart], other[apart]), axis=1)
+def _across_seam(labels: NDArray[np.int32], corners: bool) -> dict[int, int]:
+    """A lower label of the same patch for each label of which the seam hides that it has one.
 
-
-def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
-    """New label of each old one when the labels of each pair are made equal."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), (count, count))
-    _, group = connected_components(graph, directed=False)
-    first = np.full(group.max() + 1, -1)
-    first[group[::-1]] = np.arange(count)[::-1]
-    order = np.argsort(np.argsort(first))
-    return np.asarray(order[group], np.int32)
+    Lines of pixels on both sides of the seam meet as they lie, and moved along each other by a
+    pixel if corners join.
+    """
+    lower: dict[int, int] = {}
+    for first, last in (labels[0], labels[-1]), (labels[:, 0], labels[:, -1]):
+        round_end = np.concatenate((last[-1:], last, last[:1]))
+        starts = (0, 1, 2) if corners else (1,)
+        own = np.tile(first, len(starts))
+        other = np.concatenate([round_end[start:][: len(first)] for start in starts])
+        apart = (own > 0) & (other > 0) & (own != other)
+        for a, b in zip(own[apart].tolist(), other[apart].tolist(), strict=True):
+            while a in lower:
+                a = lower[a]
+            while b in lower:
+                b = lower[b]
+            if a != b:
+                lower[max(a, b)] = min(a, b)
+    return lower
 
 
 def points_at(

@@ -16,7 +16,7 @@ from surfaces.numerics.vectors import loader, multiply_add, splatter, store, whe
 
 from ._climb import FLATTEST, prefetch_block
 
-__all__ = ["ray_places", "ray_signs", "rising_nodes"]
+__all__ = ["ray_places", "rising_nodes"]
 
 
 _load, _splat = loader(LANES), splatter(LANES)
@@ -25,9 +25,6 @@ _load, _splat = loader(LANES), splatter(LANES)
 _BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
 _TOGETHER = 64  # rays
 _CHUNK = 8  # groups of samples
-_ALL = 2**LANES - 1
-_LOWEST = np.array([LANES] + [(n & -n).bit_length() - 1 for n in range(1, _ALL + 1)])
-_HIGHEST = np.array([n.bit_length() - 1 for n in range(_ALL + 1)])
 _RAY = np.dtype(
     [
         ("peak", np.int64),
@@ -44,7 +41,7 @@ _RAY = np.dtype(
         ("before", np.float64),
         ("after", np.float64),
         ("latest", np.float64),
-        ("outside", np.int64),  # whether the latest lies in another basin
+        ("outside", np.bool_),  # whether the latest lies in another basin
     ]
 )
 
@@ -102,31 +99,6 @@ def ray_places(
 
 
 @inner(forceinline=True, **BORROWING)
-def ray_signs(zs, at, z, high, dip, pixels, labels, owner, peak, radii, first, end):
-    """What holds at the eight samples of a ray from `at` on: five bytes of a number.
-
-    f, which is z minus the height, rises above `high` and all samples before; has fallen `dip`
-    below; the pixel lies in a basin whose owner is another than `peak`; it lies beyond the border;
-    and the radius, from `first` on, exceeds `end`.
-    """
-    rises, fallen, foreign, gone, past = 0, 0, 0, 0, 0
-    for k in range(LANES):
-        f = z - zs[at + k]
-        fallen |= (f <= high - dip) << k
-        rises |= (f > high) << k
-        high = f if f > high else high
-        pixel = pixels[at + k]
-        label = labels[max(pixel, 0)]
-        gone |= (pixel < 0) << k
-        foreign |= ((label >= 0) & (owner[max(label, 0)] != peak)) << k
-        past |= (radii[first + k] > end) << k
-    signs = past
-    for part in (gone, foreign, fallen, rises):
-        signs = signs << LANES | part
-    return signs
-
-
-@inner(forceinline=True, **BORROWING)
 def rising_nodes(zs, at, z, least, high, scale, squares, inverses, first):
     """Turn the eight heights from `at` on into f/r^2 at the nodes of a ray, from `first` on.
 
@@ -173,7 +145,7 @@ def _look(
 
 @inner(**BORROWING)
 def _march(
-    flat, cell, labels, owner, rays, live, signs, radii, corners, rest, weights, pixels, zs
+    flat, cell, labels, owner, rays, live, radii, corners, rest, weights, pixels, zs
 ):  # fmt: skip
     """Find the `end` of the rays of `live`: the first local maximum of f, or their limit.
 
@@ -185,48 +157,40 @@ def _march(
             flat, cell, rays, live[:going], np.int64(1), radii, first, corners, rest, weights,
             pixels, zs,
         )  # fmt: skip
-        for k in range(going):  # apart from what branches on it
-            ray = rays[live[k]]
-            signs[k] = ray_signs(
-                zs, k * LANES, ray.z, -np.inf if first == 1 else ray.high, ray.dip, pixels, labels,
-                owner, ray.peak, radii, first, ray.end,
-            )  # fmt: skip
         count, going = going, 0
         for k in range(count):
             live[going] = live[k]
-            going += _advance(rays[live[k]], signs[k], radii, first, k * LANES, zs)
+            going += _advance(rays[live[k]], zs, pixels, k * LANES, labels, owner, radii, first)
         if going == 0:
             break
 
 
 @inner(forceinline=True, **BORROWING)
-def _advance(ray, signs, radii, first, at, zs):
-    """Take a ray on by the samples from number `first` on; returns whether it goes on.
+def _advance(ray, zs, pixels, at, labels, owner, radii, first):
+    """Take a ray on by its samples `at` of a height and a pixel, at the radii from number `first`
+    on; returns whether it goes on.
 
-    What holds at a sample is a bit of a number: whether f `rises` above all before, has `fallen` by
-    the dip, lies in a `foreign` basin, beyond the border (`gone`), or beyond the length (`past`).
+    It ends where f has fallen by the dip, at the border of the map, and with the first sample past
+    its length, which two samples in a row in another basin limit.
     """
-    rises, fallen, foreign = signs & _ALL, signs >> LANES & _ALL, signs >> 2 * LANES & _ALL
-    gone, past = signs >> 3 * LANES & _ALL, signs >> 4 * LANES
-    stop, inside = _LOWEST[fallen | gone], _LOWEST[past]
-    out = _LOWEST[foreign & (2 * foreign + ray.outside) & _ALL]
-    if out < stop and out <= inside:
-        m = first + out
-        ray.end = min(ray.end, _BEYOND * 0.5 * (radii[m - 2] + radii[m - 1]))
-        while inside > out and radii[first + inside - 1] > ray.end:
-            inside -= 1
-    ended = inside < stop
-    seen = inside + 1 if ended else stop + ((fallen & ~gone) >> stop & 1)
-    last = _HIGHEST[rises & ((1 << seen) - 1)]
-    if last >= 0:
-        ray.before = ray.z - zs[at + last - 1] if last > 0 else ray.latest
-        ray.high, ray.after, ray.top = ray.z - zs[at + last], np.nan, first + last
-    follower = ray.top + 1 - first
-    if 0 <= follower < seen:
-        ray.after = ray.z - zs[at + follower]
-    ray.latest = ray.z - zs[at + LANES - 1]
-    ray.outside = foreign >> (LANES - 1)
-    return not ended and stop == LANES
+    for k in range(LANES):
+        m, pixel, f = first + k, pixels[at + k], ray.z - zs[at + k]
+        if pixel < 0:
+            return False
+        if f > ray.high:
+            ray.before, ray.high, ray.after, ray.top = ray.latest, f, np.nan, m
+        else:
+            if m == ray.top + 1:
+                ray.after = f
+            if f <= ray.high - ray.dip:
+                return False
+        outside = labels[pixel] >= 0 and owner[labels[pixel]] != ray.peak
+        if outside and ray.outside:
+            ray.end = min(ray.end, _BEYOND * 0.5 * (radii[m - 2] + radii[m - 1]))
+        if radii[m] > ray.end:
+            return False
+        ray.latest, ray.outside = f, outside
+    return True
 
 
 @inner(forceinline=True, **BORROWING)
@@ -244,7 +208,7 @@ def _crest(ray, radii):
 def scratch(rays: int, nodes: int) -> tuple[Any, tuple[Any, ...], tuple[Any, ...]]:
     """Work space of `fit` for so many rays of a peak and nodes of a ray."""
     together, block = max(_TOGETHER, rays), _CHUNK * LANES
-    numbers = (together, together, block, together * nodes)
+    numbers = (together, block, together * nodes)
     values = (block, block * TAPS, nodes, nodes, together * nodes)
     return (
         np.empty(together, _RAY),
@@ -284,7 +248,7 @@ def fit(
     """
     count, nodes = q.shape[1:]
     groups = shares.size // LANES
-    live, signs, corners, pixels = numbers
+    live, corners, pixels = numbers
     rest, weights, squares, inverses, zs = values
     nx, width = int(cell[1]), int(cell[5])
     for j in range(shares.size):
@@ -305,10 +269,9 @@ def fit(
                 ray.peak, ray.y, ray.x, ray.z = peak[n], y[n], x[n], z[n]
                 ray.way_y, ray.way_x, ray.fall = way_y[n, p], way_x[n, p], fall[n, p]
                 ray.end, ray.dip = limit[n, p], dip[n]
-                ray.high, ray.latest, ray.top, ray.outside = 0.0, 0.0, 0, 0
+                ray.high, ray.latest, ray.top, ray.outside = -np.inf, 0.0, 0, False
         _march(
-            flat, cell, labels, owner, rays, live[:used], signs, radii, corners, rest, weights,
-            pixels, zs,
+            flat, cell, labels, owner, rays, live[:used], radii, corners, rest, weights, pixels, zs
         )  # fmt: skip
         for k in range(used):
             rays[k].end, live[k] = _crest(rays[k], radii), k

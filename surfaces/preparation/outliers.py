@@ -138,9 +138,8 @@ def _ninth_decile(hm: HeightMap, z: Source) -> float:
         upper = np.append(upper, strip.rough[strip.block][~np.isnan(strip.rows)])
         below = max(0, len(upper) - z.size + hm.missing + int(place))
         upper = np.partition(upper, below)[below:]
-    low, high = np.partition(upper, [0, min(1, len(upper) - 1)])[:2][[0, -1]]
-    share = place - int(place)
-    return float(low + share * (high - low) if share < 0.5 else high - (1 - share) * (high - low))
+    lowest = np.partition(upper, min(1, len(upper) - 1))[:2]
+    return float(np.quantile(lowest, place - int(place)))
 
 
 def _spikes(strip: _Strip, limit: float, threshold: float, periodic: bool) -> tuple[Index, Array]:
