@@ -141,10 +141,13 @@ def solve(
     asked = _accuracy(accuracy, area_accuracy)
     if engine not in ENGINES:
         raise InputError(f"engine is {engine!r}; give one of {', '.join(ENGINES)}")
-    if verify not in ("auto", True, False):
+    if not (isinstance(verify, bool) or (isinstance(verify, str) and verify == "auto")):
         raise InputError(f"verify is {verify!r}; give 'auto' or False")
+    if engine in ("anchored", "sampled") and not verify:
+        raise InputError(f"engine is {engine!r}, which verifies; leave out verify=False")
     require_function("judge", judge)
-    kind, values = checked_loads(hm, material, pressures, separations)
+    kind, given = checked_loads(hm, material, pressures, separations)
+    values, place = np.unique(given, return_inverse=True)  # of one load there is one answer
     with reported(progress, None, "boundary elements") as tell:
         scene = _Scene(
             hm,
@@ -174,19 +177,19 @@ def solve(
             curve = scene.checked(choice, run, values, asked)
         if curve is None:
             curve = scene.exact(values, asked.times(1.0))
-        anchors = np.flatnonzero(curve.extra["anchor"])
-        if choice.engine in ("anchored", "sampled") and len(anchors) == len(values):
+        if choice.engine in ("anchored", "sampled") and curve.extra["anchor"].all():
             why = f"{choice.reason}; but the model did not hold so well"
             choice = choice._replace(engine="bem", reason=why)
             curve = replace(curve, model="bem")
         clock.stage("boundary elements")
         left = UNTOLD if choice.engine == "model" else scene.resolution(curve, values)
         clock.stage("resolution")
+    curve = curve.select(place)
     told = {
         "reason": choice.reason,
         "accuracy": [asked.load, asked.area],
         "met": _met(curve, asked),
-        "anchors": anchors.tolist(),
+        "anchors": np.flatnonzero(curve.extra["anchor"]).tolist(),
         "reference": f"grid of the map, {hm.shape[0]} x {hm.shape[1]}, {scene.boundary}",
         "resolution_uncertainty": [left.load, left.area],
         "resolution": left.told_by,

@@ -129,6 +129,19 @@ def test_order_and_zero_load_are_kept():
     assert (np.diff(curve.separation[order]) < 0).all() and curve.contact_area[3] == 0.0
 
 
+def test_a_load_asked_for_twice_has_one_answer():
+    """One of them was an anchor, the other between two."""
+    hm = waves()
+    loads = default_pressures(hm, BODY, 9)[[8, 3, 3, *range(8), 8]]
+    curve = solve(hm, BODY, pressures=loads, engine="anchored", accuracy=0.1)
+    np.testing.assert_allclose(curve.mean_pressure, loads, rtol=1e-2)
+    anchors = np.flatnonzero(curve.extra["anchor"]).tolist()
+    assert curve.verification["anchors"] == anchors and 0 < len(anchors) < 12
+    for name in ("separation", "contact_area", "contacts", "error_estimate"):
+        column = getattr(curve, name)
+        assert column[[0, 1, 2]].tolist() == column[[11, 2, 6]].tolist(), name
+
+
 def test_answer_is_kept_in_a_file(tmp_path):
     hm = waves()
     curve = solve(hm, BODY, pressures=default_pressures(hm, BODY, 6), engine="anchored")
@@ -229,6 +242,8 @@ def test_the_model_answers_where_boundary_elements_do_not_fit(monkeypatch):
         ({"area_accuracy": 2.0}, "area_accuracy is 2.0"),
         ({"engine": "fem"}, "engine is 'fem'"),
         ({"verify": "often"}, "verify is 'often'"),
+        ({"verify": np.ones(2)}, "verify is array"),
+        ({"verify": False, "engine": "sampled"}, "engine is 'sampled', which verifies"),
         ({"progress": 1}, "progress is 1; give a function"),
         ({"judge": "bem"}, "judge is 'bem'; give a function"),
     ],
