@@ -255,6 +255,7 @@ def test_options_that_an_ensemble_would_not_heed_are_refused(more, left_out, cap
         ([], "name files of maps, or give --seeds"),
         (["--seeds", "0", "--rms-slope", "0.1"], "--seeds is 0; give a whole number"),
         (["--seeds", "2", "--seed", "-1", "--rms-slope", "0.1"], "--seed is -1; give a whole"),
+        (["--seeds", "2", "--rms-slope", "0.1", "--shape", "0", "--pressure", "1e6"], "shape is 0"),
     ],
 )
 def test_an_ensemble_says_what_its_members_lack(more, told, folder, capsys):

@@ -174,6 +174,9 @@ def test_bad_arguments_are_refused_in_one_sentence(change, match, tmp_path):
             windows_of((48, 64), windows)
     with pytest.raises(asperity.InputError, match="seeds need a function of seed"):
         asperity.ensemble("map.h5", STEEL, folder=tmp_path, seeds=3)
+    flat = partial(MAKE, rms_slope=0.0)
+    with pytest.raises(asperity.InputError, match="the rms value is 0"):
+        asperity.ensemble(flat, STEEL, LOADS, folder=tmp_path, seeds=3)
 
 
 def test_the_command(here, tmp_path, monkeypatch, capsys):
