@@ -337,6 +337,9 @@ def test_workers_in_another_folder_know_the_memory_and_the_second_surface(
     call = ["sweep", "maps/m0.h5", "--against", "maps/m1.h5", "--E", "210GPa", "--pressure", "1GPa"]
     assert main([*call, "--memory", "3GiB", "-o", "out", "--json"]) == 0, capsys.readouterr()
     assert left[0] < 3 << 30 < available_bytes()
+    capsys.readouterr()
+    assert main([*call, "--memory", "2GiB", "-o", "out", "--json"]) == 0, capsys.readouterr()
+    assert len(left) == 1  # what is finished is the same with another limit
 
 
 @pytest.mark.parametrize(
