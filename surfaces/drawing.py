@@ -96,11 +96,11 @@ def told(value: float, unit: str, power: int = 1, digits: int = 3) -> str:
     Examples
     --------
     >>> from surfaces.drawing import told
-    >>> told(5.04e7, "Pa"), told(2.2e-6, "m"), told(float("nan"), "Pa")
-    ('50.4 MPa', '2.2 µm', '–')
+    >>> told(5.04e7, "Pa"), told(9.99e-7, "m", 2), told(float("nan"), "Pa")
+    ('50.4 MPa', '999000 µm²', '–')
     """
     if not math.isfinite(value):
         return "–"
     rounded = float(f"{value:.{digits}g}")
     factor, name = suited(rounded, unit, power)
-    return f"{rounded / factor:.{digits}g} {name}"
+    return f"{rounded / factor:.12g} {name}"  # no power of ten beside an area

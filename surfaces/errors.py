@@ -62,9 +62,10 @@ class FileFormatError(InputError):
 
 
 def as_number(name: str, value: Any) -> float:
-    """The argument called `name` as a float; what is no single real number is refused."""
+    """The argument called `name` as a float; what is no single real number is refused, and so is a
+    truth: True is not 1 Pa."""
     try:
-        if isinstance(value, str | bytes):
+        if isinstance(value, str | bytes | bool | np.bool_):
             raise TypeError
         return float(value)
     except (TypeError, ValueError, OverflowError):
@@ -84,7 +85,8 @@ def as_numbers(name: str, values: Any, *, finite: bool = True) -> NDArray[np.flo
     `finite` ones where so asked."""
     try:
         given = np.ma.asarray(values)
-        if given.dtype.kind in "cSU":
+        mixed = isinstance(values, list | tuple) and any(isinstance(one, bool) for one in values)
+        if given.dtype.kind in "bcSU" or mixed:
             raise TypeError
         array = np.ma.filled(given.astype(np.float64), np.nan)
     except (TypeError, ValueError, OverflowError):
@@ -165,8 +167,8 @@ def checked_range(low: float, high: float, heights: Any) -> None:
 def checked_spacing(spacing: Any) -> tuple[float, float]:
     """Pixel size (dy, dx) [m], both positive and finite, from a pair or one number."""
     try:
-        pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
-    except (TypeError, ValueError, OverflowError):
+        pair = np.broadcast_to(as_numbers("spacing", spacing, finite=False), (2,))
+    except ValueError:
         raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
     if not ((pair >= SHORTEST) & (pair <= LONGEST)).all():
         raise SurfaceError(

@@ -56,7 +56,7 @@ class RandomWaves:
         for name in ("rms_slope", "rms_height", "rolloff", "cutoff"):
             if getattr(self, name) is not None:
                 as_number(name, getattr(self, name))
-        for name in ("hurst", "angle", "anisotropy"):
+        for name in ("hurst", "angle", "anisotropy", "seed"):
             as_number(name, getattr(self, name))
         hurst, anisotropy, angle, seed = self.hurst, self.anisotropy, self.angle, self.seed
         _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")

@@ -37,5 +37,5 @@ def require_memory(shape: tuple[int, int], boundary: Boundary, share: float | No
     if need > free:
         raise InputError(
             f"a {boundary} grid of {shape[0]} x {shape[1]} needs about {need / 2**30:.1f} GiB and "
-            f"{free / 2**30:.1f} GiB are available; use a coarser map or bem_curve(accuracy=...)"
+            f"{free / 2**30:.1f} GiB are available; take fewer points, or bem_curve(accuracy=...)"
         )

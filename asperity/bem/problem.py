@@ -37,6 +37,9 @@ _PLAIN = 1e-9, 1e9
 """Rms heights [m] that the solver takes as they are: loops in single precision hold their squares,
 and those of pressures far below them."""
 
+_FLAT = 1e-6
+"""Unit inside of a flat map, over its pixels: it has no height of its own."""
+
 
 class ContactProblem:
     """A rough contact before its load: checked, planned, with the finest grid ready.
@@ -78,7 +81,7 @@ class ContactProblem:
         require_memory(hm.shape, self.boundary, share)
         self.hm, self.material, self.tolerance = hm, material, float(tolerance)
         exact = HalfSpaceOperator(hm.shape, hm.spacing, material, self.boundary)
-        self.unit = _unit(hm.roughness.rms_height)
+        self.unit = _unit(hm.roughness.rms_height or _FLAT * max(hm.spacing))
         self.compliance = exact.compliance / self.unit
         self.own = float(influence((1, 1), hm.spacing, exact.m)[0, 0])
         heights = heights if self.unit == 1.0 else heights / self.unit
@@ -258,6 +261,6 @@ class ContactProblem:
 def _unit(rms_height: float) -> float:
     """Unit of heights [m] in which none is very small or large."""
     low, high = _PLAIN
-    if rms_height == 0.0 or low <= rms_height <= high:
+    if low <= rms_height <= high:
         return 1.0
     return math.ldexp(1.0, math.frexp(rms_height)[1])

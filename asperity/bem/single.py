@@ -15,6 +15,7 @@ from asperity.halfspace.material import HalfSpace, require_half_space
 from surfaces.errors import as_count, as_numbers
 
 from .certificate import Certificate
+from .memory import require_memory
 from .profile_map import Profile, axes, map_of, sampled, section_box
 from .solution import BemSolution
 from .solve import bem_solve
@@ -182,7 +183,7 @@ def indent_bem(
     ------
     InputError
         If neither or both of approach and load are given, one is not positive, the grid is too
-        small, the profile never rises to the approach, or profile or material are something else.
+        small or does not fit, the profile never rises to the approach, or an argument is unusable.
 
     Examples
     --------
@@ -198,6 +199,7 @@ def indent_bem(
     require_half_space(material)
     warn_once(modulus_warning(material))
     points = as_count("grid", grid, 16)
+    require_memory((points, points), "free")
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     name = "approach" if load is None else "load"

@@ -91,6 +91,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _members(args: argparse.Namespace) -> list[Surface]:
     """The members that the options name, in their order."""
+    from asperity.distributed.ensemble import seeded
     from asperity.distributed.jobs import Surface
 
     if args.seeds is not None:
@@ -100,7 +101,8 @@ def _members(args: argparse.Namespace) -> list[Surface]:
         options.require_default(args, why, options.add_surface_options, "-")
         first, make = as_count("--seed", args.seed or 0, 0), generator(args)
         seeds = range(first, first + as_count("--seeds", args.seeds, 1))
-        return [Surface(f"{args.texture} {seed}", partial(make, seed=seed)) for seed in seeds]
+        named = zip(seeds, seeded(make, seeds), strict=True)
+        return [Surface(f"{args.texture} {seed}", load) for seed, load in named]
     why = "files are read, and no surface is made without --seeds"
     options.require_default(args, why, add_generation)
     if not args.files:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
+from asperity.halfspace.scene import MOST_LOADS
 from surfaces import units
 
 
@@ -29,8 +30,10 @@ def spread(text: str, option: str, kind: str, *, geometric: bool) -> NDArray[np.
     ends = text.count(":") == 2
     words = text.split(":")[:2] if ends else text.split(",")
     count = text.split(":")[2] if ends else "1"
-    if ":" in text and not (ends and count.isdecimal() and int(count) > 0):
+    if ":" in text and not (ends and count.isdecimal() and float(count) > 0):
         raise InputError(f"{option} {text}: write LO:HI:N or numbers separated by commas")
+    if (asked := float(count) if ends else len(words)) > MOST_LOADS:
+        raise InputError(f"{option} {text[:60]}: {asked:g} load points; give at most {MOST_LOADS}")
     try:
         values = np.array(units.quantities(words, kind))
     except InputError as error:

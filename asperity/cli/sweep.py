@@ -6,6 +6,7 @@ import argparse
 import copy
 import csv
 import itertools
+import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -31,8 +32,9 @@ EPILOG = """examples:
 
 A .toml file is a plan: its keys are options, written without dashes, with one value or a
 list; each table [[material]] and [[settings]] is a set of them, and all sets are combined. A .csv
-file with a column "file" is a table: a row is a job, its other columns are options. Their files lie
-beside them; with --config a plan needs none and takes those of the command line.
+file with a column "file" is a table: a row is a job, its other columns are options, several numbers
+of one with spaces. Their files lie beside them; with --config a plan needs none and takes those of
+the command line.
 """
 
 MOST_ROWS = 40
@@ -43,6 +45,9 @@ TABLES = ("material", "settings")
 
 TRUTH = {"true": True, "false": False}
 """Cells of a table that say whether an option without a value is given."""
+
+NUMBER = re.compile(r"[-+.]*\d\S*|inf")
+"""A word of a cell that begins another number."""
 
 OPTIONS = {
     "curve": options.add_model_options,
@@ -237,13 +242,23 @@ def _table(file: Path) -> list[dict[str, Any]] | None:
     if file.suffix != ".csv" or not file.is_file():
         return None
     with open(file, newline="", encoding="utf-8-sig", errors="replace") as text:
-        rows = csv.DictReader(text)
+        head = text.readline()
+        text.seek(0)
+        rows = csv.DictReader(text, delimiter=max(",;\t", key=head.count))
         if "file" not in (rows.fieldnames or ()):
             return None
-        cells = [{k: TRUTH.get(v.lower(), v) for k, v in row.items() if k and v} for row in rows]
+        cells = [{k: _cell(k, v) for k, v in row.items() if k and v} for row in rows]
     if not cells:
         raise InputError(f"{file}: a table without rows; write one for each job")
     return cells
+
+
+def _cell(name: str, text: str) -> bool | str | list[str]:
+    """A cell of a table as a plan holds it: a truth, several numbers, or a text."""
+    words = text.split()
+    if name != "file" and len(words) > 1 and all(NUMBER.fullmatch(word) for word in words):
+        return words
+    return TRUTH.get(text.lower(), text)
 
 
 def _words(given: Mapping[str, Any], file: Path, maps: Sequence[str]) -> list[str]:

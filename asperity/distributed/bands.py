@@ -140,7 +140,7 @@ class Ensemble:
         """A row per pressure, shape (p,): ``mean_pressure``, number of ``members``; of each column
         its mean by its name, ``_std`` the standard deviation of the members, ``_p10`` and ``_p90``
         quantiles of them, ``_half_width`` that of the 95 % confidence interval of the mean."""
-        found: dict[str, Array] = {"mean_pressure": self.pressures}
+        found: dict[str, Any] = {"mean_pressure": self.pressures}
         for name, curves in self.values.items():
             mean = Confidence(len(self.pressures))
             for curve in curves:
@@ -150,7 +150,7 @@ class Ensemble:
                 low, high = np.nanquantile(curves, TENTHS, axis=0)
             known = mean.count > 0
             found |= {
-                "members": mean.count,
+                "members": mean.count.astype(int),
                 name: np.where(known, mean.mean, np.nan),
                 f"{name}_std": mean.deviation,
                 f"{name}_p10": low,

@@ -26,7 +26,7 @@ from .pool import Workers
 from .sweep import row_of, run
 from .work import Outcome, load_map
 
-__all__ = ["enough", "ensemble", "windows_of"]
+__all__ = ["enough", "ensemble", "seeded", "windows_of"]
 
 LEAST = 10
 """Least members before the band is narrow enough: fewer tell too little of their scatter."""
@@ -119,7 +119,7 @@ def ensemble(
     if seeds is not None and windows is not None:
         raise InputError("members are seeds or windows; give one of them")
     if seeds is not None:
-        members = _seeded(members, seeds)
+        members = seeded(members, seeds)
     elif windows is not None:
         members = _windows(members, windows)
     maker, on = Jobs(as_path(folder)), Workers(workers, scheduler, threads)
@@ -161,6 +161,18 @@ def enough(widths: Sequence[float], until: float) -> bool:
     return narrow and sum(width <= until for width in widths[LEAST - 1 :]) > FURTHER
 
 
+def seeded(make: Any, seeds: int | Sequence[int]) -> list[Callable[[], HeightMap]]:
+    """Functions that make a surface of each seed. The first is made here: they differ by the seed
+    alone, and what cannot be made is refused before workers start."""
+    if not callable(make):
+        raise InputError(f"seeds need a function of seed, not a {type(make).__name__}")
+    drawn = seeds if isinstance(seeds, Iterable) else range(as_count("seeds", seeds, 1))
+    members: list[Callable[[], HeightMap]] = [partial(make, seed=seed) for seed in drawn]
+    for first in members[:1]:
+        first()
+    return members
+
+
 def windows_of(
     shape: tuple[int, int], window: int | tuple[int, int]
 ) -> list[tuple[tuple[int, int], tuple[int, int]]]:
@@ -188,14 +200,6 @@ def _windows(path: Any, window: int | tuple[int, int]) -> list[Callable[[], Heig
         places = windows_of(file.shape, window)
     read = partial(surfaces.read, os.path.abspath(path))
     return [partial(read, rows=rows, columns=columns) for rows, columns in places]
-
-
-def _seeded(make: Any, seeds: int | Sequence[int]) -> list[Callable[[], HeightMap]]:
-    """Functions that make a surface of each seed."""
-    if not callable(make):
-        raise InputError(f"seeds need a function of seed, not a {type(make).__name__}")
-    drawn = seeds if isinstance(seeds, Iterable) else range(as_count("seeds", seeds, 1))
-    return [partial(make, seed=seed) for seed in drawn]
 
 
 def _common(first: Job) -> NDArray[np.float64]:

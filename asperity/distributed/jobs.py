@@ -37,6 +37,9 @@ are compiled for it (`asperity.compilation`)."""
 OWN = {"hm", "material", "plan", "progress", "checkpoint", "judge"}
 """Arguments of the methods that a sweep sets, or that cannot be told from others."""
 
+LIMITS = ("memory",)
+"""Options of the command line that change no result: those of finished jobs may be others."""
+
 BODY = ("E", "nu", "m", "hardness", "modulus")
 """Columns of a table that make a material."""
 
@@ -161,7 +164,7 @@ class Jobs:
             inner = self._plain([value.func, value.args, value.keywords], files)
             return {"call": inner}
         if isinstance(value, argparse.Namespace):
-            return self._plain(vars(value), files)
+            return self._plain(vars(value) | dict.fromkeys(LIMITS), files)
         if isinstance(value, str | os.PathLike):
             return self._content(os.fspath(value)) if files else os.fspath(value)
         if isinstance(value, Mapping):

@@ -15,6 +15,7 @@ from surfaces.heightmap import HeightMap, require_map
 from .material import HalfSpace, require_half_space
 
 __all__ = [
+    "MOST_LOADS",
     "Boundary",
     "area_over_pressure",
     "checked_loads",
@@ -37,6 +38,9 @@ Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
 
 _LARGEST = 1e40
 """Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
+
+MOST_LOADS = 10_000
+"""Most load points of a curve: between so many, others can be read off it."""
 
 
 def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
@@ -136,6 +140,8 @@ def checked_loads(
     values = as_numbers(f"{kind}s", chosen).ravel()
     if not values.size:
         raise InputError(f"{kind}s is empty; give at least one load point")
+    if values.size > MOST_LOADS:
+        raise InputError(f"{kind}s holds {values.size} load points; give at most {MOST_LOADS}")
     if kind == "pressure" and values.max() > material.hardness:
         raise InputError(
             f"mean pressure {values.max():.4g} Pa is above the hardness of {material.hardness:.4g} "

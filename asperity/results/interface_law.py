@@ -139,6 +139,10 @@ class InterfaceLaw:
         hardness = float(curve.settings.get("hardness", math.inf))
         lower = pressure * np.maximum(1.0 - more["error"], 0.0)
         upper = np.minimum(pressure * (1.0 + more["error"]), hardness)
+        if not np.isnan(lower).all():  # the pressure rises: it lies between bounds stated elsewhere
+            below, above = np.fmax.accumulate(lower), np.fmin.accumulate(upper[::-1])[::-1]
+            lower = np.where(np.isnan(lower), np.fmax(below, 0.0), lower)
+            upper = np.where(np.isnan(upper), above, upper)
 
         def row(values: NDArray[np.float64], start: float = 0.0) -> NDArray[np.float64]:
             return np.concatenate([[start], values])

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from asperity import __version__
 from asperity.errors import InputError
 from surfaces.drawing import image, logarithmic
+from surfaces.errors import as_numbers, shown
 
-from .interpolation import POINT_FIELDS, READ_FIELDS, contact_pressure
+from .interpolation import POINT_FIELDS, contact_pressure
 from .storage import flat_columns, write_csv
 
 if TYPE_CHECKING:
@@ -90,30 +91,38 @@ class CurveTable:
 
     def __post_init__(self) -> None:
         n = np.size(self.separation)
-        for name in POINT_FIELDS:
-            array = np.atleast_1d(np.asarray(getattr(self, name)))
-            if array.shape != (n,):
-                raise InputError(f"{name} has shape {array.shape}; expected ({n},)")
-            object.__setattr__(self, name, array.astype(float if name != "converged" else bool))
-        for name in (*READ_FIELDS, "error_estimate"):
-            object.__setattr__(self, name, self._known(name, getattr(self, name)))
         object.__setattr__(self, "reasons", tuple(self.reasons) or ("",) * n)
-        others: dict[str, Any] = {**self.extra, "reasons": self.reasons}
-        for name, values in others.items():
-            if np.shape(values)[:1] != (n,):
-                raise InputError(f"{name} has shape {np.shape(values)}; expected ({n}, ...)")
-        extra = {name: self._known(name, np.asarray(found)) for name, found in self.extra.items()}
+        if len(self.reasons) != n:
+            raise InputError(f"reasons has shape ({len(self.reasons)},); expected ({n}, ...)")
+        columns: dict[str, NDArray[Any]] = {"converged": np.array(self.converged, bool, ndmin=1)}
+        for name in POINT_FIELDS:
+            if name not in columns:
+                column = as_numbers(name, getattr(self, name), finite=False)
+                columns[name] = np.atleast_1d(column)
+            if columns[name].shape != (n,):
+                raise InputError(f"{name} has shape {columns[name].shape}; expected ({n},)")
+        object.__setattr__(self, "converged", columns["converged"])
+        for name, values in columns.items():
+            object.__setattr__(self, name, self._held(name, values))
+        extra = {name: np.array(values) for name, values in self.extra.items()}
+        for name, values in extra.items():
+            if values.shape[:1] != (n,):
+                raise InputError(f"{name} has shape {values.shape}; expected ({n}, ...)")
+            if values.dtype.kind not in "biufcSU":
+                raise InputError(f"{name} is {shown(values)}; it must hold numbers or texts")
+            extra[name] = self._held(name, values)
         object.__setattr__(self, "extra", extra)
 
     def __len__(self) -> int:
         return len(self.separation)
 
-    def _known(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """A column with NaN for the answers of points that did not converge."""
-        if name in HOW_SOLVED or values.dtype.kind not in "iuf" or self.converged.all():
-            return values
-        lost = ~self.converged.reshape(-1, *(1,) * (values.ndim - 1))
-        return np.where(lost, np.nan, values)
+    def _held(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
+        """A column, read-only, with NaN for the answers of points that did not converge."""
+        if not (name in HOW_SOLVED or values.dtype.kind not in "iuf" or self.converged.all()):
+            lost = ~self.converged.reshape(-1, *(1,) * (values.ndim - 1))
+            values = np.where(lost, np.nan, values)
+        values.setflags(write=False)
+        return values
 
     @property
     def mean_contact_pressure(self) -> NDArray[np.float64]:

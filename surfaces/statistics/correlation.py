@@ -37,7 +37,8 @@ class Autocorrelation:
     lag_y, lag_x
         Shifts [m], shape (my,), (mx,), zero in the middle.
     value
-        Correlation, 1 without shift [-], shape (my, mx); stays on disk if the map does.
+        Correlation, 1 without shift [-], shape (my, mx); NaN at shifts for which no pair of points
+        is present; stays on disk if the map does.
 
     Examples
     --------
@@ -133,7 +134,8 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
             if pairs is None:
                 number = np.outer(pairs_y[begin:end], pairs_x)
             else:
-                number = np.maximum(pairs[begin:end], 1.0)
+                found = pairs[begin:end]  # counts, but for rounding
+                number = np.where(found > 0.5, found, np.nan)
             yield begin, rows / (number * variance)
 
     dy, dx = hm.spacing
@@ -160,11 +162,14 @@ def texture(correlation: Autocorrelation) -> Texture:
     rows = (np.outer(np.sin(angles), steps) - lag_y[0]) / dy
     columns = (np.outer(np.cos(angles), steps) - lag_x[0]) / dx
     along = _read_at(value, rows.ravel(), columns.ravel()).reshape(rows.shape)
+    for ray in along:  # across shifts without pairs; the correlation without shift is known
+        known = np.isfinite(ray)
+        ray[:] = np.interp(steps, steps[known], ray[known])
     below = along <= THRESHOLD
     crossed = below.any(axis=1)
     first = np.maximum(below.argmax(axis=1), 1)
-    ray = np.arange(_ANGLES)
-    before, after = along[ray, first - 1], along[ray, first]
+    every = np.arange(_ANGLES)
+    before, after = along[every, first - 1], along[every, first]
     part = (before - THRESHOLD) / np.where(before > after, before - after, 1.0)
     lengths = np.where(crossed, (first - 1 + part) * steps[1], reach)
     longest = max(range(_ANGLES), key=lambda index: (lengths[index], along[index].mean()))
@@ -178,7 +183,8 @@ def texture(correlation: Autocorrelation) -> Texture:
 
 
 def _read_at(value: Source, rows: Array, columns: Array) -> Array:
-    """Linear interpolation at points of an array, in units of its elements."""
+    """Linear interpolation at points of an array, in units of its elements, between those that are
+    known; NaN where none is."""
     from scipy.ndimage import map_coordinates
 
     order = np.argsort(rows, kind="stable")
@@ -186,7 +192,11 @@ def _read_at(value: Source, rows: Array, columns: Array) -> Array:
     for begin, end, window in windows(value, below=1):
         here = order[slice(*np.searchsorted(rows, (begin, end), sorter=order))]
         places = [rows[here] - begin, columns[here]]
-        found[here] = map_coordinates(window, places, order=1, mode="nearest")
+        known = np.isfinite(window)
+        found[here] = map_coordinates(np.where(known, window, 0.0), places, order=1, mode="nearest")
+        if not known.all():
+            weight = map_coordinates(known.astype(float), places, order=1, mode="nearest")
+            found[here] /= np.where(weight > 1e-9, weight, np.nan)
     return found
 
 

@@ -95,6 +95,8 @@ def test_two_by_two_map(command, folder, capsys):
         (["--crop", "-5", "10", "0", "10"], "rows (-5, 10) are not inside"),
         (["--resample", "-1e-6"], "must be positive lengths in m"),
         (["--pressure", "a:b:c"], "LO:HI:N"),
+        (["--pressure", "1e7:1e8:99999999"], "1e+08 load points; give at most 10000"),
+        (["--pressure", "1e7:1e8:1" + 5000 * "0"], "inf load points; give at most 10000"),
         (["--pressure", "1e6", "--separation", "1e-6"], "not allowed"),
         (["--pressure", "1e300"], "below 1e40"),
         (["--pressure", "2um:1mm:3"], "um is a unit of length, and a pressure is needed"),
@@ -253,6 +255,7 @@ def test_options_that_an_ensemble_would_not_heed_are_refused(more, left_out, cap
         ([], "name files of maps, or give --seeds"),
         (["--seeds", "0", "--rms-slope", "0.1"], "--seeds is 0; give a whole number"),
         (["--seeds", "2", "--seed", "-1", "--rms-slope", "0.1"], "--seed is -1; give a whole"),
+        (["--seeds", "2", "--rms-slope", "0.1", "--shape", "0", "--pressure", "1e6"], "shape is 0"),
     ],
 )
 def test_an_ensemble_says_what_its_members_lack(more, told, folder, capsys):

@@ -25,6 +25,10 @@ def drawn(**changed):
             lambda name=name: drawn(**{name: "much"})
             for name in ("hurst", "rms_slope", "rolloff", "cutoff", "anisotropy", "angle", "seed")
         ),
+        lambda: drawn(seed=True),
+        lambda: surfaces.HeightMap(np.eye(4), np.True_),
+        lambda: asperity.contact_curve(HM, STEEL, pressures=[True]),
+        lambda: asperity.indent_bem(BALL, STEEL, True),
         lambda: surfaces.HeightMap(np.eye(4), 1.0, history=3),
         lambda: surfaces.HeightMap(np.eye(4), 1.0, history=(3,)),
         lambda: surfaces.read(3),
@@ -55,7 +59,7 @@ def test_a_wrong_type_is_one_sentence(call):
 CURVE = asperity.contact_curve(HM, STEEL, pressures=[1e7, 1e8])
 RUBBER = asperity.Relaxation(1e6, [1e7], [1.0])
 PUSH = {"friction": 0.3, "modulus_ratio": 1.2}
-NO_NUMBER = [None, "much", 1j, {}, object(), [1.0, "b"], 10**400, float("nan"), -1.0]
+NO_NUMBER = [None, "much", 1j, {}, object(), [1.0, "b"], 10**400, float("nan"), -1.0, True]
 
 
 @pytest.mark.parametrize("wrong", NO_NUMBER, ids=lambda value: type(value).__name__)

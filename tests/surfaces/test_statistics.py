@@ -111,6 +111,19 @@ def test_a_correlation_may_fall_off_at_the_last_shift() -> None:
     assert found.shortest == pytest.approx(9.8, abs=0.1)
 
 
+@pytest.mark.parametrize("periodic", [True, False])
+def test_shifts_without_pairs_do_not_end_the_correlation(periodic) -> None:
+    """Every second row is missing: no two points are one row apart."""
+    hm = surfaces.self_affine((64, 64), (64e-6, 64e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    heights = hm.heights.copy()
+    heights[1::2] = np.nan
+    whole = surfaces.HeightMap(hm.heights, hm.spacing, periodic=periodic)
+    found = surfaces.autocorrelation(whole.replace(heights=heights))
+    assert np.isnan(found.value[31]).all() and np.isfinite(found.value[30]).all()
+    sal = surfaces.texture(surfaces.autocorrelation(whole)).shortest
+    assert surfaces.texture(found).shortest == pytest.approx(sal, rel=0.1)
+
+
 def test_autocorrelation_with_missing_points_uses_the_pairs_present() -> None:
     hm = surfaces.HeightMap(np.random.default_rng(0).normal(size=(24, 31)), (1e-6, 2e-6))
     full = surfaces.autocorrelation(hm).value

@@ -75,3 +75,14 @@ def test_a_point_far_above_noise_carries_the_load_alone_first(height, tolerance)
     curve = bem_curve(hm, body, pressures=[alone, 1e-3], tolerance=tolerance)
     assert curve.converged.all()
     assert curve.extra["contact_area_raw"][0] == hm.spacing[0] * hm.spacing[1]
+
+
+@pytest.mark.parametrize("height", [0.0, 5.0])
+def test_a_flat_punch_scales_with_its_load(height):
+    """It has no height that would be a unit: squares of its light pressures must still be held."""
+    hm = HeightMap(np.full((16, 16), height), 1e-6)
+    body = HalfSpace.from_modulus(1e9)
+    loads = np.array([1e-6, 1e-3, 1.0, 1e6])
+    curve = bem_curve(hm, body, pressures=loads, accuracy=0.05, boundary="free")
+    assert curve.converged.all(), curve.reasons
+    np.testing.assert_allclose(curve.stiffness, curve.stiffness[-1], rtol=1e-3)

@@ -77,7 +77,10 @@ def test_a_contact_beyond_the_known_profile_is_flagged():
     assert found.flags.tolist() == [0, Flag.BEYOND_RADIUS]
 
 
-@pytest.mark.parametrize("approach, grid, words", [(0.0, 64, "positive"), (1.0, 4, "at least 16")])
+@pytest.mark.parametrize(
+    "approach, grid, words",
+    [(0.0, 64, "positive"), (1.0, 4, "at least 16"), (1.0, 10**6, "of 1000000 x .* take fewer")],
+)
 def test_refusals(approach, grid, words):
     """Wrong approach or grid: one sentence."""
     body = HalfSpace.from_modulus(1.0)

@@ -337,6 +337,9 @@ def test_workers_in_another_folder_know_the_memory_and_the_second_surface(
     call = ["sweep", "maps/m0.h5", "--against", "maps/m1.h5", "--E", "210GPa", "--pressure", "1GPa"]
     assert main([*call, "--memory", "3GiB", "-o", "out", "--json"]) == 0, capsys.readouterr()
     assert left[0] < 3 << 30 < available_bytes()
+    capsys.readouterr()
+    assert main([*call, "--memory", "2GiB", "-o", "out", "--json"]) == 0, capsys.readouterr()
+    assert len(left) == 1  # what is finished is the same with another limit
 
 
 @pytest.mark.parametrize(
@@ -389,15 +392,19 @@ def test_loads_of_a_plan_and_of_the_command_line_are_not_both_taken(tmp_path, mo
 
 
 def test_a_table_of_a_spreadsheet_is_understood(here, maps, tmp_path, monkeypatch, capsys):
-    """A mark of the encoding in front, and words for what is given or not."""
+    """A mark of the encoding in front, words for what is given or not, semicolons between the
+    cells, and several numbers in one."""
     maps(1)
     monkeypatch.chdir(tmp_path)
-    text = "file,no_interaction\nmaps/m0.h5,TRUE\nmaps/m0.h5,FALSE\n"
+    text = "file;no_interaction;crop\nmaps/m0.h5;TRUE;0 24 0 32\nmaps/m0.h5;FALSE;\n"
     Path("jobs.csv").write_text(text, encoding="utf-8-sig")
     call = ["sweep", "jobs.csv", "--E", "210GPa", "--pressure", "1GPa", "-o", "out"]
     assert main([*call, "--workers", "1", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]
     assert [row["interaction"] for row in rows] == ["False", "True"]
+    found = [asperity.read_results(f"out/{row['file']}").curves.values() for row in rows]
+    shapes = [curve.settings["map"]["shape"] for (curve,) in found]
+    assert shapes == [[24, 32], [48, 64]]
     Path("jobs.csv").write_text("file,E\n")
     assert main(call) == 2
     assert "jobs.csv: a table without rows" in capsys.readouterr().err

@@ -56,6 +56,7 @@ def test_forecast_of_the_area_is_monotone_and_bounded():
     ("pressures", "separations", "match"),
     [
         ([1.0], [1.0], "not both"),
+        (np.ones(10_001), None, "10001 load points; give at most 10000"),
         ([1.0, -2.0], None, "-2 Pa is negative"),
         ([1.0, 1e-300], None, "1e-300 Pa is beyond"),
         (None, [1e-7, -1e300], "-1e.300 m is beyond"),

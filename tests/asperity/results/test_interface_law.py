@@ -84,6 +84,21 @@ def test_a_law_ends_where_no_gap_is_left():
     assert law.pressure[-1] == pytest.approx(0.2) and (np.diff(law.overclosure) > 0).all()
 
 
+@pytest.mark.parametrize("unknown", [np.inf, np.nan])
+def test_a_light_point_without_an_error_leaves_the_band_of_the_others(tmp_path, curve, unknown):
+    error = np.full(len(curve), 0.1)
+    error[0] = unknown
+    law = dataclasses.replace(curve, error_estimate=error).to_interface_law()
+    whole = dataclasses.replace(curve, error_estimate=np.full(len(curve), 0.1)).to_interface_law()
+    light = law.pressure < curve.mean_pressure[1]
+    for band in ("lower", "upper"):
+        law.write(tmp_path / "law", band=band)
+        np.testing.assert_allclose(
+            getattr(law, band)[~light], getattr(whole, band)[~light], rtol=1e-3
+        )
+    assert (law.lower <= whole.lower).all() and (law.upper >= whole.upper).all()
+
+
 def test_hardness_bounds_the_band_and_is_told(tmp_path):
     hard = 1.05e9
     law = made(asperity.HalfSpace(210e9, 0.3, hardness=hard)).to_interface_law()

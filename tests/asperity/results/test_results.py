@@ -108,6 +108,25 @@ def test_reading_off_outside_the_curve_is_refused(question):
         power_law_curve().at(**question)
 
 
+def test_the_columns_of_a_curve_are_its_own_and_stay_as_they_are():
+    spots = np.arange(3.0)
+    curve = dataclasses.replace(power_law_curve(3), extra={"spots": spots})
+    spots[0] = 7.0
+    other = dataclasses.replace(curve, model="other")
+    assert other.extra["spots"].tolist() == [0.0, 1.0, 2.0]
+    for column in (curve.load, curve.converged, other.extra["spots"], curve.select([0]).load):
+        with pytest.raises(ValueError, match="read-only"):
+            column[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"load": ["a", "b"]}, {"load": [1j, 2.0]}, {"extra": {"load": [None, {}]}}]
+)
+def test_columns_that_no_file_holds_are_refused(wrong):
+    with pytest.raises(InputError, match=r"^load is "):
+        dataclasses.replace(power_law_curve(2), **wrong)
+
+
 def test_reasons_are_as_many_as_points():
     assert dataclasses.replace(power_law_curve(2), reasons=["", "no"]).reasons == ("", "no")
     with pytest.raises(InputError, match=r"reasons has shape \(1,\); expected \(2, ...\)"):
