@@ -167,7 +167,9 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
     try:
         pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
     except (TypeError, ValueError, OverflowError):
-        raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
+        raise SurfaceError(
+            f"spacing is {shown(spacing)}; give the pixel size (dy, dx) in m"
+        ) from None
     if not ((pair >= SHORTEST) & (pair <= LONGEST)).all():
         raise SurfaceError(
             f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "

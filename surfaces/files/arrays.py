@@ -13,13 +13,13 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import FileFormatError, InputError, checked_spacing
+from surfaces.errors import FileFormatError, InputError, checked_spacing, shown
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
 from ._damage import DAMAGED
-from ._schema import other_spacing
+from ._schema import other_spacing, stated_value, truth
 from .atomic import replacing
 from .columns import gridded
 
@@ -39,7 +39,6 @@ _MISSING = {"", "nan", "na", "n/a", "#n/a", "bad", "none", "null"}
 _MISSING |= {"-", "--", "---", "*", "**", "***"}
 _COMMENT = "#%;/!"
 _HEAD = 2**16  # bytes that tell how a text is encoded
-_TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False, "": False}
 
 _STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(\S.*?)\s*$", re.IGNORECASE)
 
@@ -68,16 +67,17 @@ def read_npz(
                     _check_npy_header(member, archive.getinfo(name).file_size, name)
         with np.load(path, allow_pickle=False) as arrays:
             stated: dict[str, Any] = {
-                key: arrays[key].tolist()
+                key: stated_value(arrays[key])
                 for key in ("unit", "spacing", "periodic", "name")
-                if key in names and arrays[key].size <= 2
+                if key in names
             }
             planes = [name for name in names if name not in stated]
-            wanted = dataset or ("heights" if "heights" in names else planes[0])
-            if wanted not in names or (dataset is None and wanted != "heights" and len(planes) > 1):
+            alone = planes[0] if len(planes) == 1 else "heights"
+            wanted = dataset or ("heights" if "heights" in names else alone)
+            if wanted not in names:
                 raise FileFormatError(
                     f"{path}: no array {dataset or 'heights'!r}; the file holds "
-                    f"{', '.join(names)}; name the heights with --dataset (dataset=...)"
+                    f"{', '.join(names) or 'none'}; name the heights with --dataset (dataset=...)"
                 )
             return as_map(arrays[wanted], path, unit, spacing, stated)
     except InputError:
@@ -249,10 +249,10 @@ def chosen_spacing(path: Path, stated: Any, given: ArrayLike | None) -> tuple[fl
 
 def _periodic(stated: Any, path: Path) -> bool:
     """Whether a map is periodic, from a truth value, 0 or 1, or a word."""
-    word = str(np.asarray(stated).ravel()[0] if np.size(stated) == 1 else stated).strip().lower()
-    if word not in _TRUTH:
-        raise FileFormatError(f"{path}: periodic is {word!r}; it must be true or false")
-    return _TRUTH[word]
+    value = truth(stated)
+    if value is None:
+        raise FileFormatError(f"{path}: periodic is {shown(stated)}; it must be true or false")
+    return value
 
 
 def _check_npy_header(member: IO[bytes], size: int, name: str) -> None:

@@ -198,6 +198,32 @@ def test_decimal_marks_that_change_are_refused(tmp_path: Path, row: str) -> None
         surfaces.read(tmp_path / "a.csv", unit="m", spacing=1)
 
 
+@pytest.mark.parametrize("wrap", [np.array, lambda text: np.array([text.encode()])])
+def test_npz_may_state_its_facts_in_arrays_of_one(tmp_path: Path, wrap) -> None:
+    facts = {"unit": wrap("um"), "name": wrap("scan"), "periodic": np.array([1.0])}
+    np.savez(tmp_path / "a.npz", heights=HEIGHTS, spacing=SPACING, **facts)
+    hm = surfaces.read(tmp_path / "a.npz")
+    np.testing.assert_array_equal(hm.heights, HEIGHTS * 1e-6)
+    assert (hm.name, hm.periodic) == ("scan", True)
+
+
+@pytest.mark.parametrize(
+    ("facts", "message"),
+    [
+        ({"unit": 5}, "5 is not a unit of length; known are m,"),
+        ({"spacing": [1.0, 2.0, 3.0]}, r"spacing is array.*give the pixel size"),
+        ({"periodic": 2}, "periodic is 2; it must be true or false"),
+        ({"heights": None}, "no array 'heights'; the file holds unit, spacing; name"),
+    ],
+)
+def test_bad_facts_of_an_npz(tmp_path: Path, facts: dict, message: str) -> None:
+    stated = {"unit": "um", "spacing": 1e-6, "heights": HEIGHTS} | facts
+    held = {key: value for key, value in stated.items() if value is not None}
+    np.savez(tmp_path / "a.npz", **held)
+    with pytest.raises(InputError, match=message):
+        surfaces.read(tmp_path / "a.npz")
+
+
 def test_npz_with_several_arrays_lists_them(tmp_path: Path) -> None:
     path = tmp_path / "a.npz"
     np.savez(path, z=HEIGHTS, w=HEIGHTS * 2)

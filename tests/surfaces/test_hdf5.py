@@ -14,6 +14,9 @@ from surfaces.errors import FileFormatError, InputError, SurfaceError
 SPACING = (2e-6, 3e-6)
 
 
+TEXT = h5py.string_dtype()
+
+
 def bumps(ny: int = 40, nx: int = 57) -> surfaces.HeightMap:
     heights = np.random.default_rng(3).normal(0.0, 1e-7, (ny, nx))
     heights[5, 7] = np.nan
@@ -179,14 +182,16 @@ def test_heights_are_not_stored_in_types_that_lose_them(tmp_path: Path, dtype: s
     [
         ({"unit": None}, "no attribute unit; pass --unit"),
         ({"unit": "parsec"}, "'parsec' is not a unit"),
-        ({"unit": 3.0}, "must be a name such as um"),
+        ({"unit": 3.0}, "unit 3.0 is not a unit of length"),
         ({"spacing": None}, "no attribute spacing; pass --spacing"),
-        ({"spacing": [1e-6, -1e-6]}, "two positive lengths"),
-        ({"spacing": [1e-6, np.nan]}, "two positive lengths"),
-        ({"spacing": [1e-6, 1e-6, 1e-6]}, "two positive lengths"),
-        ({"spacing": "1 um"}, "two positive lengths"),
+        ({"spacing": [1e-6, -1e-6]}, "spacing is "),
+        ({"spacing": [1e-6, np.nan]}, "spacing is "),
+        ({"spacing": [1e-6, 1e-6, 1e-6]}, "spacing is "),
+        ({"spacing": "1 um"}, "spacing is "),
         ({"periodic": "perhaps"}, "must be true or false"),
+        ({"spacing": [1e-6, 1e-2]}, "more than 1000 times"),
         ({"schema": "surface/9"}, "schema 'surface/9'"),
+        ({"schema": np.array(["a", "b"], TEXT)}, "has schema array"),
     ],
 )
 def test_each_bad_attribute_has_its_sentence(
@@ -196,6 +201,19 @@ def test_each_bad_attribute_has_its_sentence(
     with pytest.raises(FileFormatError, match=message):
         surfaces.read(stored)
     assert any(fault.fatal and message in str(fault) for fault in surfaces.validate(stored))
+
+
+@pytest.mark.parametrize("wrap", [lambda text: np.array([text.encode()]), lambda text: [text]])
+def test_attributes_in_arrays_of_one_are_read(stored: Path, wrap) -> None:
+    texts = {"unit": "um", "name": "scan", "schema": "surface/1", "history": '[{"step": "a"}]'}
+    arrays = {name: np.array(wrap(text), TEXT) for name, text in texts.items()}
+    edit(stored, **arrays, periodic=np.array([1.0]))
+    with h5py.File(stored, "r+") as file:
+        file["heights"].attrs["source"] = h5py.Empty("S1")
+    hm = surfaces.read(stored)
+    assert (hm.name, hm.periodic, hm.history) == ("scan", True, ({"step": "a"},))
+    np.testing.assert_allclose(hm.heights, bumps().heights * 1e-6)
+    assert surfaces.validate(stored) == []
 
 
 def test_explicit_options_stand_in_for_missing_attributes(stored: Path) -> None:

@@ -67,7 +67,7 @@ def test_a_group_holds_heights(tmp_path: Path) -> None:
     ("attributes", "message"),
     [
         ({"unit": None}, "no attribute unit; pass --unit"),
-        ({"spacing": [1e-6, -1.0]}, "two positive lengths"),
+        ({"spacing": [1e-6, -1.0]}, "spacing is "),
         ({"schema": "surface/9"}, "schema 'surface/9'"),
     ],
 )
