@@ -67,6 +67,16 @@ class Fault:
 
 
 @dataclass(frozen=True)
+class Packing:
+    """How stored numbers stand for heights: ``scale number + offset`` in the unit, or missing if
+    they are among `blanks`. The attributes are those of the netCDF conventions."""
+
+    scale: float = 1.0
+    offset: float = 0.0
+    blanks: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
 class Header:
     """What a dataset says about its heights, checked; lengths in metres."""
 
@@ -77,6 +87,7 @@ class Header:
     name: str
     history: tuple[Mapping[str, Any], ...]
     notes: Mapping[str, Any]
+    packing: Packing
 
 
 def read_header(
@@ -120,11 +131,12 @@ def header_of(
     elif not isinstance(schema, str) or schema != SCHEMA:
         tell(f" has schema {shown(schema)}; this version reads {SCHEMA!r}")
     history = _history(attributes.pop("history", None), tell)
+    packing = _packing(attributes, tell)
     if any(fault.fatal for fault in faults):
         return None, faults
     shape = (int(dataset.shape[0]), int(dataset.shape[1]))
     name = str(attributes.pop("name", ""))
-    return Header(shape, pixel, stated, periodic, name, history, attributes), faults
+    return Header(shape, pixel, stated, periodic, name, history, attributes, packing), faults
 
 
 def array_faults(dataset: Any) -> Iterator[Fault]:
@@ -235,6 +247,22 @@ def _periodic(stated: Any, tell: Tell) -> bool:
     if value is None:
         tell(f": periodic is {shown(stated)}; it must be true or false")
     return bool(value)
+
+
+def _packing(attributes: dict[str, Any], tell: Tell) -> Packing:
+    """What the attributes of packing state, which are taken out."""
+    found = {"scale_factor": 1.0, "add_offset": 0.0, "_FillValue": math.nan}
+    found["missing_value"] = math.nan
+    for name in found.keys() & attributes.keys():
+        stated = attributes.pop(name)
+        if isinstance(stated, int | float):
+            found[name] = float(stated)
+        else:
+            tell(f": {name} is {shown(stated)}; it must be a number")
+    scale, offset, *blanks = found.values()
+    if not (math.isfinite(scale) and scale and math.isfinite(offset)):
+        tell(f": scale_factor is {scale} and add_offset {offset}; they give no heights")
+    return Packing(scale, offset, tuple(blank for blank in blanks if not math.isnan(blank)))
 
 
 def _history(stated: Any, tell: Tell) -> tuple[Mapping[str, Any], ...]:

@@ -244,6 +244,27 @@ def test_foreign_file_by_explicit_options(foreign: Path) -> None:
     assert hm.history[0]["dataset"] == "/scan/z"
 
 
+@pytest.mark.parametrize("dtype", [">i2", "<f4"])
+def test_packed_numbers_are_unpacked_as_netcdf_does(tmp_path: Path, dtype: str) -> None:
+    numbers = np.arange(12 * 15).reshape(12, 15).astype(dtype)
+    numbers[2, 3], numbers[4, 5] = -9999, -1
+    with h5py.File(tmp_path / "a.nc", "w") as file:
+        z = file.create_dataset("z", data=numbers, chunks=(5, 4))
+        facts = {"scale_factor": 0.5, "add_offset": 3.0, "unit": "um", "spacing": 1e-6}
+        z.attrs.update(facts | {"_FillValue": np.array([-9999], dtype), "missing_value": -1.0})
+    heights = (0.5 * numbers.astype(float) + 3.0) * 1e-6
+    heights[2, 3] = heights[4, 5] = np.nan
+    with surfaces.open(tmp_path / "a.nc", dataset="z") as file:
+        for hm in (file.read(), file.on_disk()):
+            np.testing.assert_allclose(hm.heights, heights, rtol=1e-15)
+        part = file.heights((1, 9), (2, 7))
+        np.testing.assert_array_equal(part, file.read().heights[1:9, 2:7])
+    with h5py.File(tmp_path / "a.nc", "r+") as file:
+        file["z"].attrs["scale_factor"] = 0.0
+    with pytest.raises(FileFormatError, match=r"scale_factor is 0\.0 .* give no heights"):
+        surfaces.read(tmp_path / "a.nc", dataset="z")
+
+
 def test_attributes_that_are_there_are_listed(foreign: Path) -> None:
     with h5py.File(foreign, "r+") as file:
         file["scan/z"].attrs["pixel_size"] = 2.0
