@@ -13,7 +13,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import FileFormatError, InputError, checked_spacing, shown
+from surfaces.errors import FileFormatError, InputError, as_text, checked_spacing, shown
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
@@ -151,7 +151,7 @@ def write_npz(hm: HeightMap, path: Path) -> None:
 def write_text(hm: HeightMap, path: Path) -> None:
     """Write heights [m] as rows of numbers below comment lines with spacing and unit."""
     dy, dx = hm.spacing
-    name = " ".join(hm.name.split())
+    name = " ".join(as_text(hm.name).split())
     header = f"unit = m\nspacing = {dy!r} {dx!r}\nperiodic = {hm.periodic}\nname = {name}"
     separator = "," if path.suffix.lower() == ".csv" else " "
     with replacing(path) as part:

@@ -124,6 +124,27 @@ def test_writing_in_blocks_equals_writing_at_once(tmp_path: Path) -> None:
     assert surfaces.read(tmp_path / "b.h5").digest == hm.digest
 
 
+def test_masked_points_of_a_block_are_missing(tmp_path: Path) -> None:
+    block = np.ma.masked_less(np.arange(16).reshape(4, 4), 2)
+    surfaces.write_blocks(tmp_path / "a.h5", (4, 4), 1e-6, [block])
+    np.testing.assert_array_equal(
+        surfaces.read(tmp_path / "a.h5").heights[0], [np.nan] * 2 + [2, 3]
+    )
+
+
+@pytest.mark.parametrize("block", [np.ones((4, 4)) * 1j, [["a"] * 4] * 4])
+def test_blocks_of_no_real_numbers_are_refused(tmp_path: Path, block: object) -> None:
+    with pytest.raises(surfaces.InputError, match=r"block at row 0 is .* array of numbers"):
+        surfaces.write_blocks(tmp_path / "a.h5", (4, 4), 1e-6, [block])
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".txt"])
+def test_names_that_no_file_can_hold(tmp_path: Path, suffix: str) -> None:
+    hm = bumps().replace(name="a\0b\ud800", history=({"step": "read", "source": "c\0"},))
+    surfaces.write(hm, tmp_path / f"a{suffix}")
+    assert surfaces.read(tmp_path / f"a{suffix}").name == "a?b?"
+
+
 def test_an_interrupted_write_leaves_the_old_file(stored: Path) -> None:
     def failing():
         yield bumps().heights[:20]
