@@ -26,6 +26,7 @@ __all__ = [
     "as_numbers",
     "as_path",
     "as_positive",
+    "as_text",
     "checked_heights",
     "checked_part",
     "checked_range",
@@ -80,15 +81,17 @@ def as_positive(name: str, value: Any) -> float:
     return number
 
 
-def as_numbers(name: str, values: Any, *, finite: bool = True) -> NDArray[np.float64]:
+def as_numbers(
+    name: str, values: Any, *, finite: bool = True, copy: bool = True
+) -> NDArray[np.float64]:
     """The argument called `name` as an array of any shape; only real numbers are taken, and only
-    `finite` ones where so asked."""
+    `finite` ones where so asked; masked ones become NaN. Without `copy` they may be those given."""
     try:
         given = np.ma.asarray(values)
         mixed = isinstance(values, list | tuple) and any(isinstance(one, bool) for one in values)
         if given.dtype.kind in "bcSU" or mixed:
             raise TypeError
-        array = np.ma.filled(given.astype(np.float64), np.nan)
+        array = np.ma.filled(given.astype(np.float64, copy=copy), np.nan)
     except (TypeError, ValueError, OverflowError):
         raise InputError(
             f"{name} is {shown(values)}; it must be a number or an array of numbers"
@@ -110,6 +113,11 @@ def shown(value: Any) -> str:
     """What was given, by a caller or a file, on one line of a message and short."""
     text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def as_text(value: Any) -> str:
+    """A name as a text that every file can hold; what is no text in it becomes "?"."""
+    return str(value).encode(errors="replace").decode().replace("\0", "?")
 
 
 def as_path(path: str | os.PathLike[str]) -> Path:
@@ -169,7 +177,9 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
     try:
         pair = np.broadcast_to(as_numbers("spacing", spacing, finite=False), (2,))
     except ValueError:
-        raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
+        raise SurfaceError(
+            f"spacing is {shown(spacing)}; give the pixel size (dy, dx) in m"
+        ) from None
     if not ((pair >= SHORTEST) & (pair <= LONGEST)).all():
         raise SurfaceError(
             f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "

@@ -7,7 +7,7 @@ import re
 from decimal import Decimal
 from pathlib import Path
 
-from .errors import FileFormatError, InputError
+from .errors import FileFormatError, InputError, shown
 
 __all__ = ["METRES", "QUANTITIES", "chosen_unit", "metres_per", "quantities", "quantity"]
 
@@ -169,12 +169,12 @@ def metres_per(unit: str) -> float:
     InputError
         If the name is not a known unit of length.
     """
-    number, name = _QUANTITY.findall(unit.strip())[0]
+    number, name = _QUANTITY.findall(unit.strip())[0] if isinstance(unit, str) else ("", "")
     name = _ALIASES.get(name, name)
     plain = name.lower().removesuffix("s")
     if name not in METRES and len(plain) > 2:  # a word, not a symbol, of which the case matters
         name = _ALIASES.get(plain, plain)
     factor = float(number or 1.0)
     if name not in METRES or not 0.0 < factor < math.inf:
-        raise InputError(f"{unit[:30]!r} is not a unit of length; known are {', '.join(METRES)}")
+        raise InputError(f"{shown(unit)} is not a unit of length; known are {', '.join(METRES)}")
     return factor * METRES[name]

@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from surfaces.errors import InputError, shown
+from surfaces.errors import InputError, checked_spacing, shown
 from surfaces.units import metres_per
 
 from ._damage import DAMAGED, brief
@@ -24,12 +24,16 @@ __all__ = [
     "header_of",
     "plain",
     "read_header",
+    "stated_value",
+    "truth",
 ]
 
 Tell = Callable[..., None]
 """Adds a fault of a dataset to those found: its text without the name, and whether it is fatal."""
 
 SCHEMA = "surface/1"
+
+_TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False, "": False}
 
 _MAX_ATTRIBUTE = 1 << 20  # bytes
 _MAX_CHUNK = 1 << 30  # bytes
@@ -63,6 +67,16 @@ class Fault:
 
 
 @dataclass(frozen=True)
+class Packing:
+    """How stored numbers stand for heights: ``scale number + offset`` in the unit, or missing if
+    they are among `blanks`. The attributes are those of the netCDF conventions."""
+
+    scale: float = 1.0
+    offset: float = 0.0
+    blanks: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
 class Header:
     """What a dataset says about its heights, checked; lengths in metres."""
 
@@ -73,6 +87,7 @@ class Header:
     name: str
     history: tuple[Mapping[str, Any], ...]
     notes: Mapping[str, Any]
+    packing: Packing
 
 
 def read_header(
@@ -105,6 +120,7 @@ def header_of(
     def tell(text: str, fatal: bool = True) -> None:
         faults.append(Fault(f"dataset {dataset.name}{text}", fatal))
 
+    attributes = {key: stated_value(value) for key, value in attributes.items()}
     holds = f" (its attributes: {', '.join(attributes) or 'none'})"[:200]
     pixel = _spacing(attributes.pop("spacing", None), spacing, tell, holds)
     stated = _unit(attributes.pop("unit", None), unit, tell, holds)
@@ -112,14 +128,15 @@ def header_of(
     schema = attributes.pop("schema", None)
     if schema is None:
         tell(f' has no attribute schema; schema 1 files say "{SCHEMA}"', False)
-    elif schema != SCHEMA:
+    elif not isinstance(schema, str) or schema != SCHEMA:
         tell(f" has schema {shown(schema)}; this version reads {SCHEMA!r}")
     history = _history(attributes.pop("history", None), tell)
+    packing = _packing(attributes, tell)
     if any(fault.fatal for fault in faults):
         return None, faults
     shape = (int(dataset.shape[0]), int(dataset.shape[1]))
     name = str(attributes.pop("name", ""))
-    return Header(shape, pixel, stated, periodic, name, history, attributes), faults
+    return Header(shape, pixel, stated, periodic, name, history, attributes, packing), faults
 
 
 def array_faults(dataset: Any) -> Iterator[Fault]:
@@ -171,13 +188,16 @@ def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[
     found: dict[str, Any] = {}
     for name in dataset.attrs:
         try:
-            if dataset.attrs.get_id(name).get_storage_size() > _MAX_ATTRIBUTE:
+            stored = dataset.attrs.get_id(name)
+            if stored.get_space().get_simple_extent_type() == h5py.h5s.NULL:
+                continue  # states nothing, as netCDF stores an empty text
+            if stored.get_storage_size() > _MAX_ATTRIBUTE:
                 raise ValueError("it is larger than 1 MiB")
             value = dataset.attrs[name]
         except DAMAGED as error:
             faults.append(Fault(f"{where}: attribute {name} cannot be read ({brief(error)})"))
             continue
-        found[str(name)] = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+        found[str(name)] = value
     return found
 
 
@@ -188,13 +208,12 @@ def _spacing(
     if pixel is None:
         tell(f" has no attribute spacing; pass --spacing DY DX (spacing=...) in m{holds}")
         return 0.0, 0.0
-    values = np.asarray(pixel)
-    dy = dx = math.nan
-    if values.dtype.kind in "fiu" and values.shape in ((), (1,), (2,)):
-        dy, dx = (float(d) for d in np.broadcast_to(values, (2,)))
-    if not (0 < dy < math.inf and 0 < dx < math.inf):
-        tell(f": spacing is {shown(pixel)}; it must be two positive lengths in m")
-    elif other := other_spacing((dy, dx), given):
+    try:
+        dy, dx = checked_spacing(pixel)
+    except InputError as error:
+        tell(f": {error}")
+        return 0.0, 0.0
+    if other := other_spacing((dy, dx), given):
         tell(f" {other}")
     return dy, dx
 
@@ -211,27 +230,39 @@ def _unit(stated: Any, given: str | None, tell: Tell, holds: str) -> str:
     if unit is None:
         tell(f" has no attribute unit; pass --unit (unit=...), such as um{holds}")
         return ""
-    if not isinstance(unit, str):
-        tell(f": unit is {shown(unit)}; it must be a name such as um")
-        return ""
     try:
         factor = metres_per(unit)
         if stated is not None and given is not None and metres_per(given) != factor:
             tell(f" states unit {shown(stated)}; leave out --unit {given}")
     except InputError as error:
         tell(f": unit {error}")
-    return unit
+    return str(unit)
 
 
 def _periodic(stated: Any, tell: Tell) -> bool:
     if stated is None:
         tell(" has no attribute periodic; it is read as False", False)
         return False
-    value = np.asarray(stated)
-    if value.size != 1 or value.dtype.kind not in "biu" or int(value.ravel()[0]) not in (0, 1):
+    value = truth(stated)
+    if value is None:
         tell(f": periodic is {shown(stated)}; it must be true or false")
-        return False
-    return bool(value.ravel()[0])
+    return bool(value)
+
+
+def _packing(attributes: dict[str, Any], tell: Tell) -> Packing:
+    """What the attributes of packing state, which are taken out."""
+    found = {"scale_factor": 1.0, "add_offset": 0.0, "_FillValue": math.nan}
+    found["missing_value"] = math.nan
+    for name in found.keys() & attributes.keys():
+        stated = attributes.pop(name)
+        if isinstance(stated, int | float):
+            found[name] = float(stated)
+        else:
+            tell(f": {name} is {shown(stated)}; it must be a number")
+    scale, offset, *blanks = found.values()
+    if not (math.isfinite(scale) and scale and math.isfinite(offset)):
+        tell(f": scale_factor is {scale} and add_offset {offset}; they give no heights")
+    return Packing(scale, offset, tuple(blank for blank in blanks if not math.isnan(blank)))
 
 
 def _history(stated: Any, tell: Tell) -> tuple[Mapping[str, Any], ...]:
@@ -247,8 +278,24 @@ def _history(stated: Any, tell: Tell) -> tuple[Mapping[str, Any], ...]:
     return tuple(steps)
 
 
+def stated_value(value: Any) -> Any:
+    """What a file states, in plain Python: bytes as text, and the element of an array of one."""
+    if isinstance(value, np.ndarray | np.generic) and value.size == 1:
+        value = value.item()
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+
+
+def truth(stated: Any) -> bool | None:
+    """The truth value that a file states, 0 or 1, or as a word; None if it is neither."""
+    if isinstance(stated, int | float):
+        return bool(stated) if stated in (0, 1) else None
+    return _TRUTH.get(str(stated).strip().lower())
+
+
 def plain(value: Any) -> Any:
     """A NumPy value as plain Python, for JSON."""
     if isinstance(value, np.ndarray):
         return value.tolist()
+    if isinstance(value, str | int | float):
+        return value
     return value.item() if isinstance(value, np.generic) else str(value)

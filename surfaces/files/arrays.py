@@ -6,19 +6,20 @@ import codecs
 import math
 import re
 import zipfile
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import FileFormatError, InputError, checked_spacing
+from surfaces.errors import FileFormatError, InputError, as_text, checked_spacing, shown
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
 from ._damage import DAMAGED
-from ._schema import other_spacing
+from ._schema import other_spacing, stated_value, truth
 from .atomic import replacing
 from .columns import gridded
 
@@ -34,10 +35,10 @@ __all__ = [
     "write_text",
 ]
 
-_MISSING = {"", "nan", "na", "n/a", "bad", "none", "null", "-", "--", "---", "*", "**", "***"}
+_MISSING = {"", "nan", "na", "n/a", "#n/a", "bad", "none", "null"}
+_MISSING |= {"-", "--", "---", "*", "**", "***"}
 _COMMENT = "#%;/!"
 _HEAD = 2**16  # bytes that tell how a text is encoded
-_TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False, "": False}
 
 _STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(\S.*?)\s*$", re.IGNORECASE)
 
@@ -66,16 +67,17 @@ def read_npz(
                     _check_npy_header(member, archive.getinfo(name).file_size, name)
         with np.load(path, allow_pickle=False) as arrays:
             stated: dict[str, Any] = {
-                key: arrays[key].tolist()
+                key: stated_value(arrays[key])
                 for key in ("unit", "spacing", "periodic", "name")
-                if key in names and arrays[key].size <= 2
+                if key in names
             }
             planes = [name for name in names if name not in stated]
-            wanted = dataset or ("heights" if "heights" in names else planes[0])
-            if wanted not in names or (dataset is None and wanted != "heights" and len(planes) > 1):
+            alone = planes[0] if len(planes) == 1 else "heights"
+            wanted = dataset or ("heights" if "heights" in names else alone)
+            if wanted not in names:
                 raise FileFormatError(
                     f"{path}: no array {dataset or 'heights'!r}; the file holds "
-                    f"{', '.join(names)}; name the heights with --dataset (dataset=...)"
+                    f"{', '.join(names) or 'none'}; name the heights with --dataset (dataset=...)"
                 )
             return as_map(arrays[wanted], path, unit, spacing, stated)
     except InputError:
@@ -91,11 +93,9 @@ def heading(path: Path) -> str | None:
     """
     try:
         with _opened(path) as file:
-            for number, line in enumerate(file, start=1):
-                if line.strip() and line.lstrip()[0] not in _COMMENT:
-                    word = next(
-                        (c for c in _cells(line, *_separator(line)) if not _is_number(c)), None
-                    )
+            for number, _, cells in _lines(file):
+                if cells is not None:
+                    word = next((cell for cell in cells if not _is_number(cell)), None)
                     return None if word is None else _no_number(number, word)
     except UnicodeError:
         return ""
@@ -151,7 +151,7 @@ def write_npz(hm: HeightMap, path: Path) -> None:
 def write_text(hm: HeightMap, path: Path) -> None:
     """Write heights [m] as rows of numbers below comment lines with spacing and unit."""
     dy, dx = hm.spacing
-    name = " ".join(hm.name.split())
+    name = " ".join(as_text(hm.name).split())
     header = f"unit = m\nspacing = {dy!r} {dx!r}\nperiodic = {hm.periodic}\nname = {name}"
     separator = "," if path.suffix.lower() == ".csv" else " "
     with replacing(path) as part:
@@ -185,25 +185,25 @@ def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:
     """What the comments state, and the rows of numbers."""
     stated: dict[str, Any] = {}
     rows: list[NDArray[np.float64]] = []
-    layout: tuple[str | None, bool] | None = None
+    widths: set[int] = set()
     with _opened(path) as file:
-        for number, line in enumerate(file, start=1):
-            if not line.strip():
-                continue
-            if line.lstrip()[0] in _COMMENT:
+        for number, line, cells in _lines(file):
+            if cells is None:
                 if match := _STATED.match(line):
                     stated[match[1].lower()] = match[2]
                 continue
-            layout = layout or _separator(line)
-            rows.append(_numbers(_cells(line, *layout), path, number))
-            if len(rows[-1]) != len(rows[0]):
+            # an empty last cell is a missing point, or none if every row ends in a separator
+            fits = {len(cells), len(cells) - (cells[-1] == "")}
+            if rows and not widths & fits:
                 raise FileFormatError(
-                    f"{path}: line {number} has {len(rows[-1])} numbers where the first row has "
-                    f"{len(rows[0])}; write missing points as nan"
+                    f"{path}: line {number} has {min(fits)} numbers where the first row has "
+                    f"{min(widths)}; write missing points as nan"
                 )
+            widths = widths & fits if rows else fits
+            rows.append(_numbers(cells, path, number))
     if not rows:
         raise FileFormatError(f"{path}: there are no rows of numbers")
-    return stated, rows
+    return stated, [row[: min(widths)] for row in rows]
 
 
 def as_map(
@@ -249,10 +249,10 @@ def chosen_spacing(path: Path, stated: Any, given: ArrayLike | None) -> tuple[fl
 
 def _periodic(stated: Any, path: Path) -> bool:
     """Whether a map is periodic, from a truth value, 0 or 1, or a word."""
-    word = str(np.asarray(stated).ravel()[0] if np.size(stated) == 1 else stated).strip().lower()
-    if word not in _TRUTH:
-        raise FileFormatError(f"{path}: periodic is {word!r}; it must be true or false")
-    return _TRUTH[word]
+    value = truth(stated)
+    if value is None:
+        raise FileFormatError(f"{path}: periodic is {shown(stated)}; it must be true or false")
+    return value
 
 
 def _check_npy_header(member: IO[bytes], size: int, name: str) -> None:
@@ -271,20 +271,30 @@ def _check_npy_header(member: IO[bytes], size: int, name: str) -> None:
     require_memory(24 * points, f"array {name} of shape {shape}", "save a part of it")
 
 
-def _separator(line: str) -> tuple[str | None, bool]:
-    """Separator of the cells (None is white space), and whether the decimal mark is a comma."""
-    if ";" in line:
-        return ";", "," in line and "." not in line
-    if "\t" in line.strip():
-        return "\t", "," in line and "." not in line
-    return ("," if "," in line else None), False
+def _lines(file: Iterable[str]) -> Iterator[tuple[int, str, list[str] | None]]:
+    """Number and text of each line, and its cells if it is a row: None of comments and blanks."""
+    separator, mark = "", ""
+    for number, line in enumerate(file, start=1):
+        by = separator or _separator(line)
+        marks = "".join(m for m in ",." if m in line) if by in ";\t" else ""
+        numbers = line.replace(",", ".") if marks == "," else line
+        cells = [cell.strip() for cell in numbers.strip(" \r\n").split(None if by == " " else by)]
+        # a row may begin with a missing point, which is a blank or looks like a comment
+        looks_like_none = line.strip()[:1] in _COMMENT
+        if looks_like_none and not (len(cells) > 2 and all(map(_is_number, cells))):
+            yield number, line, None
+            continue
+        if mark and (other := marks.replace(mark, "")):
+            raise FileFormatError(
+                f"line {number} holds {other!r} where rows above have {mark!r} as decimal mark"
+            )
+        separator, mark = by, mark or marks
+        yield number, line, cells
 
 
-def _cells(line: str, separator: str | None, decimal_comma: bool) -> list[str]:
-    if decimal_comma:
-        line = line.replace(",", ".")
-    cells = [cell.strip() for cell in line.strip(" \r\n").split(separator)]
-    return cells[:-1] if separator and cells[-1] == "" else cells
+def _separator(line: str) -> str:
+    """Separator of the cells; a blank is any white space."""
+    return next((mark for mark in ";\t," if mark in line.strip()), " ")
 
 
 def _is_number(cell: str) -> bool:

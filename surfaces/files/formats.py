@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 from collections.abc import Callable
 from functools import partial
@@ -169,7 +170,7 @@ def _reader(
         return _read_in_parts
     from . import arrays, instruments
 
-    if head.startswith(instruments.SDF_SIGNATURES):
+    if head.removeprefix(codecs.BOM_UTF8).startswith(instruments.SDF_SIGNATURES):
         return instruments.read_sdf
     if suffix == ".x3p":
         return instruments.read_x3p

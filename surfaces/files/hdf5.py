@@ -31,7 +31,7 @@ from surfaces.units import metres_per
 from ._container import find, opened, require_sound
 from ._damage import naming_damage
 from ._packing import ours, unpacked
-from ._schema import Fault, Header, plain, read_header
+from ._schema import Fault, Header, Packing, plain, read_header
 from .stored_map import StoredMap
 from .zarr_array import is_zarr, read_zarr
 
@@ -88,6 +88,7 @@ class SurfaceFile:
         self._file = file
         self._dataset = dataset
         self._ours = ours(dataset)
+        self._packing = header.packing
         self.history = header.history or (self._origin(header.notes),)
 
     def __enter__(self) -> Self:
@@ -124,13 +125,18 @@ class SurfaceFile:
             f"{self.path}: a map of {shape[0]} x {shape[1]} points",
             "read a region with surfaces.open(path).read(rows, columns), or blocks()",
         )
-        heights, factor = np.empty(shape), metres_per(self.unit)
+        heights, packing, metres = np.empty(shape), self._packing, metres_per(self.unit)
 
         def fill(part: tuple[_Span, _Span]) -> None:
             (first, last), (west, east) = part
             with np.errstate(all="ignore"):
                 place = heights[first - top : last - top, west - left : east - left]
-                np.multiply(self._stored(*part), factor, out=place, dtype=np.float64)
+                stored = self._stored(*part)
+                np.multiply(stored, packing.scale * metres, out=place, dtype=np.float64)
+                if packing.offset:
+                    place += packing.offset * metres
+                for blank in packing.blanks:
+                    place[stored == blank] = np.nan
 
         ny, nx = self._dataset.chunks if self._ours else (self._rows_per_block(shape[1]), right)
         parts = itertools.product(_parts(top, bottom, ny), _parts(left, right, nx))
@@ -190,7 +196,8 @@ class SurfaceFile:
         """As `read`, with the heights in a temporary file, read in parts; refused where there is
         no room for it."""
         (top, bottom), (left, right) = self._bounds(rows, columns)
-        narrow = self._dataset.dtype == np.float32 and metres_per(self.unit) == 1.0
+        plain_metres = self._packing == Packing() and metres_per(self.unit) == 1.0
+        narrow = self._dataset.dtype == np.float32 and plain_metres
         step = self._rows_per_block(right - left)
         blocks = (
             (first - top, self.heights((first, min(first + step, bottom)), columns))

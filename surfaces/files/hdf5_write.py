@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import InputError, SurfaceError, checked_spacing
+from surfaces.errors import InputError, SurfaceError, as_numbers, as_text, checked_spacing
 from surfaces.numerics import parallel
 
 from ._container import HEIGHTS
@@ -89,10 +89,10 @@ def write_blocks(
         heights.attrs["spacing"] = np.asarray(spacing, dtype=np.float64)
         heights.attrs["unit"] = "m"
         heights.attrs["periodic"] = bool(periodic)
-        heights.attrs["name"] = name
+        heights.attrs["name"] = as_text(name)
         heights.attrs["history"] = json.dumps(steps, default=plain)
         for key in ("source", "instrument"):
-            values = [str(step[key]) for step in steps if key in step]
+            values = [as_text(step[key]) for step in steps if key in step]
             if values:
                 heights.attrs[key] = values[0]
         for row, rows in _whole_chunks(blocks, shape, heights.chunks[0]):
@@ -122,8 +122,8 @@ def _whole_chunks(
     """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
     held, written = np.empty((0, shape[1])), 0
     for block in blocks:
-        rows = np.asarray(block, dtype=np.float64)
         row = written + len(held)
+        rows = as_numbers(f"block at row {row}", block, finite=False, copy=False)
         if np.isinf(rows).any():
             raise SurfaceError(f"block at row {row} holds infinite heights; mark missing with NaN")
         if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:

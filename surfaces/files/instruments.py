@@ -38,6 +38,8 @@ def read_sdf(
     except DAMAGED as error:
         raise damaged(path, error) from error
     header = file.header
+    if not header.z_scale > 0.0:
+        raise FileFormatError(f"{path}: Zscale is {header.z_scale}; it must be positive, in m")
     return _stated(path, unit, spacing, file.data, (header.y_scale, header.x_scale), "SDF")
 
 

@@ -16,6 +16,9 @@ from .instruments import read_instrument
 
 __all__ = ["read_picture"]
 
+_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_PNG_DEPTH = 24  # place of the bits per grey level
+
 
 def read_picture(
     path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
@@ -28,7 +31,7 @@ def read_picture(
     """
     grey = _only_page(str(path))
     if grey is None or grey.ndim != 2:
-        hint = "; as a picture, it is damaged, in color or of several pages"
+        hint = "; as a picture, it is damaged, in color, of several pages or fewer than 8 bits"
         return read_instrument(path, dataset, unit, spacing, hint)
     require_unnamed(path, dataset)
     if unit is None:
@@ -40,12 +43,18 @@ def read_picture(
 
 
 def _only_page(path: str) -> NDArray[Any] | None:
-    """The picture of a file; None if it holds several, or is damaged."""
+    """The picture of a file; None if it holds several or fewer than 8 bits, which OpenCV stretches
+    to 8, or is damaged."""
     log: Any = getattr(cv2.utils, "logging", cv2)  # since OpenCV 5
     told = log.setLogLevel(0)
     try:
-        if cv2.haveImageReader(path) and cv2.imcount(path) == 1:
+        with open(path, "rb") as file:
+            head = file.read(_PNG_DEPTH + 1)
+        coarse = head.startswith(_PNG_SIGNATURE) and head[_PNG_DEPTH:] < b"\x08"
+        if not coarse and cv2.haveImageReader(path) and cv2.imcount(path) == 1:
             return cv2.imread(path, cv2.IMREAD_UNCHANGED)
+        return None
+    except cv2.error:  # a header that states more points than the library takes
         return None
     finally:
         log.setLogLevel(told)

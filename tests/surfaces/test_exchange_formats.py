@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import re
+import struct
 import sys
+import zlib
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -85,6 +88,22 @@ def test_files_that_state_their_lengths(tmp_path: Path, name: str) -> None:
         surfaces.read(tmp_path / name, unit="um")
 
 
+def test_a_text_sdf_may_begin_with_the_mark_of_utf_8(tmp_path: Path) -> None:
+    as_text_sdf(tmp_path / "a.sdf")
+    hm = surfaces.read(tmp_path / "a.sdf")
+    (tmp_path / "a.sdf").write_bytes(b"\xef\xbb\xbf" + (tmp_path / "a.sdf").read_bytes())
+    assert surfaces.read(tmp_path / "a.sdf").digest == hm.digest
+
+
+@pytest.mark.parametrize("scale", ["0.0", "-1.0", "nan"])
+def test_a_scale_of_sdf_that_gives_no_heights_is_refused(tmp_path: Path, scale: str) -> None:
+    as_text_sdf(tmp_path / "a.sdf")
+    text = (tmp_path / "a.sdf").read_text()
+    (tmp_path / "a.sdf").write_text(re.sub("Zscale = .*", f"Zscale = {scale}", text))
+    with pytest.raises(FileFormatError, match=f"Zscale is {scale}; it must be positive"):
+        surfaces.read(tmp_path / "a.sdf")
+
+
 @pytest.mark.parametrize("name", ["a.sdf", "a.x3p", "a.npz", "a.txt", "a.csv", "a.h5"])
 def test_a_spacing_that_contradicts_the_file_is_refused(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
@@ -143,8 +162,25 @@ def test_what_is_no_grey_picture_is_refused(tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "a.png"), np.zeros((5, 6, 3), np.uint8))
     cv2.imwritemulti(str(tmp_path / "b.tif"), [GREY, GREY])
     for name in ("a.png", "b.tif"):
-        with pytest.raises(FileFormatError, match="in color or of several pages"):
+        with pytest.raises(FileFormatError, match="in color, of several pages or fewer"):
             surfaces.read(tmp_path / name, unit="um", spacing=1e-6)
+
+
+@pytest.mark.parametrize(("side", "bits"), [(60000, 8), (5, 4)])
+def test_pictures_too_large_or_too_coarse_are_refused(tmp_path: Path, side: int, bits: int) -> None:
+    """OpenCV raises its own error on the first, and stretches grey levels of 4 bits to 8."""
+    parts = {
+        b"IHDR": struct.pack(">IIBBBBB", side, side, bits, 0, 0, 0, 0),
+        b"IDAT": zlib.compress(b"\0\x12\x34\x50" * 5),
+        b"IEND": b"",
+    }
+    chunks = (
+        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        for kind, body in parts.items()
+    )
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+    with pytest.raises(FileFormatError, match="damaged, in color, of several pages or fewer than"):
+        surfaces.read(tmp_path / "a.png", unit="nm", spacing=1e-6)
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)

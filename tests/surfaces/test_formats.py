@@ -171,6 +171,59 @@ def test_bad_text(tmp_path: Path, text: str, message: str) -> None:
     assert str(caught.value).count(str(path)) == 1
 
 
+@pytest.mark.parametrize("end", ["", "trailing"])
+@pytest.mark.parametrize(("separator", "mark"), [(";", ","), (";", "."), ("\t", ","), (",", ".")])
+def test_empty_cells_are_missing_wherever_they_stand(
+    tmp_path: Path, separator: str, mark: str, end: str
+) -> None:
+    """The first row tells neither the decimal mark nor whether rows end in a separator."""
+    no = np.nan
+    heights = np.array([[1, 2, no], [no, 1.5, 2.25], [no, no, no], [no, 2, 3.5]])
+    cells = [["" if np.isnan(z) else f"{z:g}".replace(".", mark) for z in row] for row in heights]
+    text = "".join(separator.join(row) + (separator if end else "") + "\n" for row in cells)
+    (tmp_path / "a.csv").write_text("# unit = m\n; spacing = 1\n;\n\n" + text)
+    np.testing.assert_array_equal(surfaces.read(tmp_path / "a.csv").heights, heights)
+
+
+def test_a_spreadsheet_mark_of_a_missing_point_is_no_comment(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("#1,2,3\n1,2,3\n#N/A,2,3\n4,5,6\n7,8,9\n")
+    hm = surfaces.read(tmp_path / "a.csv", unit="m", spacing=1)
+    np.testing.assert_array_equal(hm.heights[:, 0], [1, np.nan, 4, 7])
+
+
+@pytest.mark.parametrize("row", ["1.234;2;3", "1.234,5;2;3"])
+def test_decimal_marks_that_change_are_refused(tmp_path: Path, row: str) -> None:
+    (tmp_path / "a.csv").write_text(f"1,5;2;3\n4;5;6\n{row}\n")
+    with pytest.raises(FileFormatError, match=r"line 3 holds '.' where rows above have ','"):
+        surfaces.read(tmp_path / "a.csv", unit="m", spacing=1)
+
+
+@pytest.mark.parametrize("wrap", [np.array, lambda text: np.array([text.encode()])])
+def test_npz_may_state_its_facts_in_arrays_of_one(tmp_path: Path, wrap) -> None:
+    facts = {"unit": wrap("um"), "name": wrap("scan"), "periodic": np.array([1.0])}
+    np.savez(tmp_path / "a.npz", heights=HEIGHTS, spacing=SPACING, **facts)
+    hm = surfaces.read(tmp_path / "a.npz")
+    np.testing.assert_array_equal(hm.heights, HEIGHTS * 1e-6)
+    assert (hm.name, hm.periodic) == ("scan", True)
+
+
+@pytest.mark.parametrize(
+    ("facts", "message"),
+    [
+        ({"unit": 5}, "5 is not a unit of length; known are m,"),
+        ({"spacing": [1.0, 2.0, 3.0]}, r"spacing is array.*give the pixel size"),
+        ({"periodic": 2}, "periodic is 2; it must be true or false"),
+        ({"heights": None}, "no array 'heights'; the file holds unit, spacing; name"),
+    ],
+)
+def test_bad_facts_of_an_npz(tmp_path: Path, facts: dict, message: str) -> None:
+    stated = {"unit": "um", "spacing": 1e-6, "heights": HEIGHTS} | facts
+    held = {key: value for key, value in stated.items() if value is not None}
+    np.savez(tmp_path / "a.npz", **held)
+    with pytest.raises(InputError, match=message):
+        surfaces.read(tmp_path / "a.npz")
+
+
 def test_npz_with_several_arrays_lists_them(tmp_path: Path) -> None:
     path = tmp_path / "a.npz"
     np.savez(path, z=HEIGHTS, w=HEIGHTS * 2)

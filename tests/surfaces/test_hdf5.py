@@ -14,6 +14,9 @@ from surfaces.errors import FileFormatError, InputError, SurfaceError
 SPACING = (2e-6, 3e-6)
 
 
+TEXT = h5py.string_dtype()
+
+
 def bumps(ny: int = 40, nx: int = 57) -> surfaces.HeightMap:
     heights = np.random.default_rng(3).normal(0.0, 1e-7, (ny, nx))
     heights[5, 7] = np.nan
@@ -121,6 +124,27 @@ def test_writing_in_blocks_equals_writing_at_once(tmp_path: Path) -> None:
     assert surfaces.read(tmp_path / "b.h5").digest == hm.digest
 
 
+def test_masked_points_of_a_block_are_missing(tmp_path: Path) -> None:
+    block = np.ma.masked_less(np.arange(16).reshape(4, 4), 2)
+    surfaces.write_blocks(tmp_path / "a.h5", (4, 4), 1e-6, [block])
+    np.testing.assert_array_equal(
+        surfaces.read(tmp_path / "a.h5").heights[0], [np.nan] * 2 + [2, 3]
+    )
+
+
+@pytest.mark.parametrize("block", [np.ones((4, 4)) * 1j, [["a"] * 4] * 4])
+def test_blocks_of_no_real_numbers_are_refused(tmp_path: Path, block: object) -> None:
+    with pytest.raises(surfaces.InputError, match=r"block at row 0 is .* array of numbers"):
+        surfaces.write_blocks(tmp_path / "a.h5", (4, 4), 1e-6, [block])
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".txt"])
+def test_names_that_no_file_can_hold(tmp_path: Path, suffix: str) -> None:
+    hm = bumps().replace(name="a\0b\ud800", history=({"step": "read", "source": "c\0"},))
+    surfaces.write(hm, tmp_path / f"a{suffix}")
+    assert surfaces.read(tmp_path / f"a{suffix}").name == "a?b?"
+
+
 def test_an_interrupted_write_leaves_the_old_file(stored: Path) -> None:
     def failing():
         yield bumps().heights[:20]
@@ -179,14 +203,16 @@ def test_heights_are_not_stored_in_types_that_lose_them(tmp_path: Path, dtype: s
     [
         ({"unit": None}, "no attribute unit; pass --unit"),
         ({"unit": "parsec"}, "'parsec' is not a unit"),
-        ({"unit": 3.0}, "must be a name such as um"),
+        ({"unit": 3.0}, "unit 3.0 is not a unit of length"),
         ({"spacing": None}, "no attribute spacing; pass --spacing"),
-        ({"spacing": [1e-6, -1e-6]}, "two positive lengths"),
-        ({"spacing": [1e-6, np.nan]}, "two positive lengths"),
-        ({"spacing": [1e-6, 1e-6, 1e-6]}, "two positive lengths"),
-        ({"spacing": "1 um"}, "two positive lengths"),
+        ({"spacing": [1e-6, -1e-6]}, "spacing is "),
+        ({"spacing": [1e-6, np.nan]}, "spacing is "),
+        ({"spacing": [1e-6, 1e-6, 1e-6]}, "spacing is "),
+        ({"spacing": "1 um"}, "spacing is "),
         ({"periodic": "perhaps"}, "must be true or false"),
+        ({"spacing": [1e-6, 1e-2]}, "more than 1000 times"),
         ({"schema": "surface/9"}, "schema 'surface/9'"),
+        ({"schema": np.array(["a", "b"], TEXT)}, "has schema array"),
     ],
 )
 def test_each_bad_attribute_has_its_sentence(
@@ -196,6 +222,19 @@ def test_each_bad_attribute_has_its_sentence(
     with pytest.raises(FileFormatError, match=message):
         surfaces.read(stored)
     assert any(fault.fatal and message in str(fault) for fault in surfaces.validate(stored))
+
+
+@pytest.mark.parametrize("wrap", [lambda text: np.array([text.encode()]), lambda text: [text]])
+def test_attributes_in_arrays_of_one_are_read(stored: Path, wrap) -> None:
+    texts = {"unit": "um", "name": "scan", "schema": "surface/1", "history": '[{"step": "a"}]'}
+    arrays = {name: np.array(wrap(text), TEXT) for name, text in texts.items()}
+    edit(stored, **arrays, periodic=np.array([1.0]))
+    with h5py.File(stored, "r+") as file:
+        file["heights"].attrs["source"] = h5py.Empty("S1")
+    hm = surfaces.read(stored)
+    assert (hm.name, hm.periodic, hm.history) == ("scan", True, ({"step": "a"},))
+    np.testing.assert_allclose(hm.heights, bumps().heights * 1e-6)
+    assert surfaces.validate(stored) == []
 
 
 def test_explicit_options_stand_in_for_missing_attributes(stored: Path) -> None:
@@ -224,6 +263,27 @@ def test_foreign_file_by_explicit_options(foreign: Path) -> None:
     hm = surfaces.read(foreign, dataset="scan/z", unit="um", spacing=1e-6)
     np.testing.assert_allclose(hm.heights[1], (15 + np.arange(15)) * 1e-6)
     assert hm.history[0]["dataset"] == "/scan/z"
+
+
+@pytest.mark.parametrize("dtype", [">i2", "<f4"])
+def test_packed_numbers_are_unpacked_as_netcdf_does(tmp_path: Path, dtype: str) -> None:
+    numbers = np.arange(12 * 15).reshape(12, 15).astype(dtype)
+    numbers[2, 3], numbers[4, 5] = -9999, -1
+    with h5py.File(tmp_path / "a.nc", "w") as file:
+        z = file.create_dataset("z", data=numbers, chunks=(5, 4))
+        facts = {"scale_factor": 0.5, "add_offset": 3.0, "unit": "um", "spacing": 1e-6}
+        z.attrs.update(facts | {"_FillValue": np.array([-9999], dtype), "missing_value": -1.0})
+    heights = (0.5 * numbers.astype(float) + 3.0) * 1e-6
+    heights[2, 3] = heights[4, 5] = np.nan
+    with surfaces.open(tmp_path / "a.nc", dataset="z") as file:
+        for hm in (file.read(), file.on_disk()):
+            np.testing.assert_allclose(hm.heights, heights, rtol=1e-15)
+        part = file.heights((1, 9), (2, 7))
+        np.testing.assert_array_equal(part, file.read().heights[1:9, 2:7])
+    with h5py.File(tmp_path / "a.nc", "r+") as file:
+        file["z"].attrs["scale_factor"] = 0.0
+    with pytest.raises(FileFormatError, match=r"scale_factor is 0\.0 .* give no heights"):
+        surfaces.read(tmp_path / "a.nc", dataset="z")
 
 
 def test_attributes_that_are_there_are_listed(foreign: Path) -> None:

@@ -42,6 +42,14 @@ def test_an_array_is_a_map(stored: Path) -> None:
     np.testing.assert_array_equal(part.heights, hm.heights[3:40, 10:50])
 
 
+def test_shards_that_reach_past_the_border(tmp_path: Path) -> None:
+    zarr = pytest.importorskip("zarr", reason="the extra for Zarr is not installed")
+    array = zarr.create_array(tmp_path / "a.zarr", data=HEIGHTS, chunks=(8, 8), shards=(16, 32))
+    array.attrs.update({"spacing": [1e-6, 2e-6], "unit": "m"})
+    hm = surfaces.read(tmp_path / "a.zarr")
+    np.testing.assert_array_equal(hm.heights, HEIGHTS.astype(np.float64))
+
+
 def test_blocks_cover_the_map_once(stored: Path) -> None:
     with surfaces.open(stored) as file:
         starts, blocks = zip(*file.blocks(rows=32), strict=True)
@@ -67,7 +75,7 @@ def test_a_group_holds_heights(tmp_path: Path) -> None:
     ("attributes", "message"),
     [
         ({"unit": None}, "no attribute unit; pass --unit"),
-        ({"spacing": [1e-6, -1.0]}, "two positive lengths"),
+        ({"spacing": [1e-6, -1.0]}, "spacing is "),
         ({"schema": "surface/9"}, "schema 'surface/9'"),
     ],
 )
