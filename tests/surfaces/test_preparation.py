@@ -4,104 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import settings
+from samples import SPACING, form, noise
 
 import surfaces
 from surfaces.errors import SurfaceError
 
-SPACING = (2e-6, 3e-6)
 STABLE = settings(max_examples=20, deadline=None, derandomize=True)
-
-
-def rough(ny: int = 60, nx: int = 84, seed: int = 1) -> surfaces.HeightMap:
-    heights = np.random.default_rng(seed).normal(0.0, 1e-8, (ny, nx))
-    return surfaces.HeightMap(heights, SPACING)
-
-
-def form(hm: surfaces.HeightMap, slope: tuple, curvature: float, angle: float) -> np.ndarray:
-    y, x = hm.y[:, None] - hm.size[0] / 2, hm.x[None, :] - hm.size[1] / 2
-    across = x * np.cos(angle) + y * np.sin(angle)
-    return slope[0] * y + slope[1] * x + 0.5 * curvature * across**2
-
-
-@STABLE
-@given(slope=st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)), offset=st.floats(-1e-3, 1e-3))
-def test_plane_comes_out_exactly(slope: tuple, offset: float) -> None:
-    hm = rough()
-    tilted = hm.replace(heights=hm.heights + form(hm, slope, 0.0, 0.0) + offset)
-    once, direct = surfaces.level(tilted), surfaces.level(hm)
-    np.testing.assert_allclose(once.heights, direct.heights, atol=1e-16 + 1e-13 * abs(offset))
-    np.testing.assert_allclose(once.history[-1]["slope"], slope, atol=3e-5)
-
-
-def test_plane_is_the_least_squares_plane_without_spikes() -> None:
-    hm = rough()
-    y, x = np.meshgrid(hm.y, hm.x, indexing="ij")
-    columns = np.stack([np.ones(y.size), y.ravel(), x.ravel()], axis=1)
-    fit = columns @ np.linalg.lstsq(columns, hm.heights.ravel(), rcond=None)[0]
-    expected = hm.heights - fit.reshape(hm.shape)
-    np.testing.assert_allclose(surfaces.level(hm).heights, expected, atol=1e-20)
-
-
-def test_spikes_do_not_tilt_the_plane() -> None:
-    hm = rough()
-    spiked = hm.heights.copy()
-    spiked[:20, :30][np.random.default_rng(2).random((20, 30)) < 0.3] += 1e-4
-    levelled = surfaces.level(hm.replace(heights=spiked))
-    good = spiked == hm.heights
-    difference = (levelled.heights - surfaces.level(hm).heights)[good]
-    assert np.abs(difference).max() < 2e-9
-    assert levelled.history[-1]["left_out"] == np.count_nonzero(~good)
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.4, 1.5, 2.6])
-def test_cylinder_comes_out_with_its_radius_and_direction(angle: float) -> None:
-    hm = rough()
-    curved = hm.replace(heights=hm.heights + form(hm, (0.01, -0.02), -50.0, angle))
-    levelled = surfaces.level(curved, "cylinder")
-    step = levelled.history[-1]
-    assert levelled.rms_height == pytest.approx(hm.rms_height, rel=0.01)
-    assert step["curvature"][0] == pytest.approx(-50.0, abs=1.5)
-    assert np.cos(2 * (step["angle"] - angle)) == pytest.approx(1.0, abs=1e-3)
-
-
-def test_quadratic_takes_out_a_saddle() -> None:
-    hm = rough()
-    saddle = form(hm, (0, 0), 40.0, 0.3) - form(hm, (0, 0), 25.0, 0.3 + np.pi / 2)
-    levelled = surfaces.level(hm.replace(heights=hm.heights + saddle), "quadratic")
-    assert levelled.rms_height == pytest.approx(hm.rms_height, rel=0.01)
-    np.testing.assert_allclose(levelled.history[-1]["curvature"], [40.0, -25.0], atol=1.5)
-
-
-@pytest.mark.parametrize(("form", "order"), [("cubic", 3), ("quartic", 4), ("quintic", 5)])
-def test_polynomials_of_their_order_come_out(form: str, order: int) -> None:
-    """And what is left of the next order has no part of the lower ones."""
-    hm = rough()
-    y, x = hm.y[:, None] / hm.size[0], hm.x / hm.size[1]
-    made = sum(1e-6 * (k - 1.5) * x ** (order - k) * y**k for k in range(order + 1))
-    levelled = surfaces.level(hm.replace(heights=hm.heights + made), form)
-    np.testing.assert_allclose(levelled.heights, surfaces.level(hm, form).heights, atol=1e-14)
-    left = surfaces.level(hm.replace(heights=x ** (order + 1) + 0.0 * y), form).heights
-    assert 0.0 < np.abs(left).max() < 0.2
-    assert np.abs(np.sum(left * x**order)) < 1e-9
-
-
-def test_periodic_maps_lose_their_mean_only() -> None:
-    hm = rough().replace(periodic=True)
-    levelled = surfaces.level(hm, "plane")
-    np.testing.assert_allclose(levelled.heights, hm.heights - hm.heights.mean(), atol=1e-22)
-    assert levelled.history[-1]["form"] == "mean"
-
-
-def test_missing_points_do_not_count() -> None:
-    hm = rough()
-    holed = hm.heights + form(hm, (0.1, 0.2), 0.0, 0.0)
-    holed[10:20, 5:40] = np.nan
-    levelled = surfaces.level(hm.replace(heights=holed))
-    assert levelled.missing == 350
-    assert abs(np.nanmean(levelled.heights)) < 1e-20
-    np.testing.assert_allclose(levelled.history[-1]["slope"], [0.1, 0.2], atol=3e-5)
 
 
 def smooth(ny: int = 64, nx: int = 90) -> surfaces.HeightMap:
@@ -139,7 +48,7 @@ def test_spikes_are_found_and_at_most_a_neighbour_more(width: int) -> None:
 @pytest.mark.parametrize("periodic", [False, True])
 def test_filling_is_harmonic(periodic: bool) -> None:
     """A plane is harmonic, so a gap in it is filled exactly; other fills obey the mean value."""
-    hm = rough()
+    hm = noise()
     gap = np.zeros(hm.shape, dtype=bool)
     gap[0:9, 70:84] = gap[25:40, 20:50] = gap[50, 3] = True
     holed = hm.replace(heights=np.where(gap, np.nan, hm.heights), periodic=periodic)
@@ -155,7 +64,7 @@ def test_filling_is_harmonic(periodic: bool) -> None:
 
 
 def test_a_plane_is_filled_exactly() -> None:
-    hm = rough()
+    hm = noise()
     plane = form(hm, (0.2, -0.1), 0.0, 0.0)
     holed = plane.copy()
     holed[13:33, 9:41] = np.nan
@@ -175,7 +84,7 @@ def test_large_gaps_go_through_the_iterative_solver(monkeypatch: pytest.MonkeyPa
 
 
 def test_the_fill_limit_holds() -> None:
-    hm = rough()
+    hm = noise()
     holed = np.where(np.random.default_rng(0).random(hm.shape) < 0.2, np.nan, hm.heights)
     with pytest.raises(SurfaceError, match=r"missing \(.* more than the fill limit of 10 %"):
         surfaces.prepare(hm.replace(heights=holed))
@@ -185,7 +94,7 @@ def test_the_fill_limit_holds() -> None:
 @pytest.mark.parametrize("periodic", [False, True])
 def test_bandpass_splits_the_map(periodic: bool) -> None:
     """Short and long parts add up to the map, and filtering twice changes nothing."""
-    hm = rough().replace(periodic=periodic)
+    hm = noise().replace(periodic=periodic)
     short = surfaces.bandpass(hm, longest=2e-5)
     long = surfaces.bandpass(hm, shortest=2.00001e-5)
     total = short.heights + long.heights - hm.heights.mean()
@@ -218,7 +127,7 @@ def test_resampling_keeps_smooth_maps(periodic: bool, factor: float) -> None:
             return np.sin(2 * np.pi * (2 * y + 3 * x)) + np.cos(4 * np.pi * y + 1)
         return np.cos(3 * np.pi * y) * np.cos(5 * np.pi * x)
 
-    hm = rough().replace(periodic=periodic)
+    hm = noise().replace(periodic=periodic)
     hm = hm.replace(heights=wave(hm))
     moved = surfaces.resample(hm, tuple(d * factor for d in SPACING))
     assert moved.size == pytest.approx(hm.size)
@@ -274,7 +183,7 @@ def test_history_has_one_step_per_thing_done() -> None:
 
 
 def test_nothing_asked_nothing_done() -> None:
-    hm = rough()
+    hm = noise()
     same = surfaces.prepare(hm, level=None, fill=None)
     assert same.digest == hm.digest and same.history == ()
 
@@ -295,11 +204,11 @@ def test_nothing_asked_nothing_done() -> None:
 )
 def test_unknown_options(options: dict[str, object], message: str) -> None:
     with pytest.raises(SurfaceError, match=message):
-        surfaces.prepare(rough(), **options)
+        surfaces.prepare(noise(), **options)
 
 
 def test_missing_points_stop_what_needs_a_full_map() -> None:
-    hm = rough()
+    hm = noise()
     heights = hm.heights.copy()
     heights[3, 4] = np.nan
     for options in ({"bandpass": (None, 1e-4)}, {"periodic": "mirror"}):

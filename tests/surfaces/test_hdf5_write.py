@@ -1,0 +1,99 @@
+"""Height maps written as HDF5, whole and in blocks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from samples import SPACING, bumps
+
+import surfaces
+from surfaces.errors import InputError, SurfaceError
+
+
+@pytest.fixture
+def stored(tmp_path: Path) -> Path:
+    surfaces.write(bumps(), tmp_path / "bumps.h5")
+    return tmp_path / "bumps.h5"
+
+
+def test_writing_in_blocks_equals_writing_at_once(tmp_path: Path) -> None:
+    hm = bumps()
+    parts = (hm.heights[:11], hm.heights[11:33], hm.heights[33:])
+    surfaces.write_blocks(tmp_path / "b.h5", hm.shape, hm.spacing, parts, periodic=True)
+    assert surfaces.read(tmp_path / "b.h5").digest == hm.digest
+
+
+def test_masked_points_of_a_block_are_missing(tmp_path: Path) -> None:
+    block = np.ma.masked_less(np.arange(16).reshape(4, 4), 2)
+    surfaces.write_blocks(tmp_path / "a.h5", (4, 4), 1e-6, [block])
+    np.testing.assert_array_equal(
+        surfaces.read(tmp_path / "a.h5").heights[0], [np.nan] * 2 + [2, 3]
+    )
+
+
+@pytest.mark.parametrize("block", [np.ones((4, 4)) * 1j, [["a"] * 4] * 4])
+def test_blocks_of_no_real_numbers_are_refused(tmp_path: Path, block: object) -> None:
+    with pytest.raises(surfaces.InputError, match=r"block at row 0 is .* array of numbers"):
+        surfaces.write_blocks(tmp_path / "a.h5", (4, 4), 1e-6, [block])
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".txt"])
+def test_names_that_no_file_can_hold(tmp_path: Path, suffix: str) -> None:
+    hm = bumps().replace(name="a\0b\ud800", history=({"step": "read", "source": "c\0"},))
+    surfaces.write(hm, tmp_path / f"a{suffix}")
+    assert surfaces.read(tmp_path / f"a{suffix}").name == "a?b?"
+
+
+def test_an_interrupted_write_leaves_the_old_file(stored: Path) -> None:
+    def failing():
+        yield bumps().heights[:20]
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        surfaces.write_blocks(stored, (40, 57), SPACING, failing())
+    assert surfaces.read(stored).digest == bumps().digest
+    assert [path.name for path in stored.parent.iterdir()] == ["bumps.h5"]
+
+
+def test_too_few_rows_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(SurfaceError, match="10 of 40 rows"):
+        surfaces.write_blocks(tmp_path / "b.h5", (40, 57), SPACING, [np.zeros((10, 57))])
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("shape", "spacing", "match"),
+    [
+        ((2, 4), SPACING, "3 points"),
+        ((3, 4), (1e-6, -1e-6), "pixel size"),
+        ((3, 4), SPACING, "inf"),
+    ],
+)
+def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, shape, spacing, match) -> None:
+    blocks = [np.zeros((2, 4)), np.full((1, 4), np.inf)]
+    with pytest.raises(SurfaceError, match=match):
+        surfaces.write_blocks(tmp_path / "b.h5", shape, spacing, blocks)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_missing_folder_is_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be written"):
+        surfaces.write(bumps(), tmp_path / "none" / "b.h5")
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv", ".txt"])
+def test_a_file_in_the_way_is_left_alone(tmp_path: Path, suffix: str) -> None:
+    target = tmp_path / f"b{suffix}"
+    target.mkdir()
+    with pytest.raises(InputError, match="cannot be written"):
+        surfaces.write(bumps(), target)
+    assert [path.name for path in tmp_path.iterdir()] == [target.name]
+
+
+@pytest.mark.parametrize("dtype", ["int8", "float16", "heights"])
+def test_heights_are_not_stored_in_types_that_lose_them(tmp_path: Path, dtype: str) -> None:
+    with pytest.raises(InputError, match="float64 or float32"):
+        surfaces.write(bumps(), tmp_path / "b.h5", dtype=dtype)
+    assert list(tmp_path.iterdir()) == []
