@@ -134,6 +134,8 @@ def random_section(k: float = 1.0, *, deviation: float, seed: int = 0) -> PowerL
 
 def random_polygon(k: float = 1.0, *, sides: int = 7, seed: int = 0) -> PowerLawProfile:
     """Body whose level lines are a random convex polygon: ``psi = max_j cos(phi-phi_j)/l_j``."""
+    from scipy.spatial import ConvexHull
+
     _sides(sides)
     rng = np.random.default_rng(seed)
     most = 0.3 if sides > 3 else 0.2  # less than half a turn between two faces: it is closed
@@ -143,8 +145,6 @@ def random_polygon(k: float = 1.0, *, sides: int = 7, seed: int = 0) -> PowerLaw
     def psi(phi: Array) -> Array:
         faces = np.cos(np.subtract.outer(np.asarray(phi, float), normal)) / distance
         return np.asarray(faces.max(axis=-1) ** k)
-
-    from scipy.spatial import ConvexHull
 
     # lines that meet in a corner of the polygon are points on a side of the hull of all of them
     poles = np.stack([np.cos(normal), np.sin(normal)], axis=1) / distance[:, None]

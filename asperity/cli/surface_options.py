@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from surfaces.files.atomic import NOT_HDF5
+
 from . import batch, quantities, targets
 
 EPILOG = """examples:
@@ -203,9 +205,8 @@ def _told(parser: argparse.ArgumentParser) -> None:
 
 
 def _output(parser: argparse.ArgumentParser, what: str) -> None:
-    kinds = (".npz", ".txt", ".csv")
     targets.add_target(
-        parser, "-o", "--output", suffix=".h5", formats=kinds, required=True, help=what
+        parser, "-o", "--output", suffix=".h5", formats=NOT_HDF5, required=True, help=what
     )
     targets.add_force(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")

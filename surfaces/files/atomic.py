@@ -1,4 +1,4 @@
-"""Files that appear only when they are complete, and folders for them."""
+"""Files that appear only when they are complete, folders for them, and what their names say."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from pathlib import Path
 
 from surfaces.errors import InputError
 
-__all__ = ["make_folder", "replacing", "require_replaceable"]
+__all__ = ["NOT_HDF5", "make_folder", "replacing", "require_replaceable"]
+
+NOT_HDF5 = (".npz", ".txt", ".csv")
+"""Suffixes of maps that are written in other formats than HDF5."""
 
 
 def require_replaceable(path: str | os.PathLike[str]) -> Path:

@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 from surfaces.errors import FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap, require_map
 
+from .atomic import NOT_HDF5
+
 __all__ = ["read", "write"]
 
 _HDF5 = (".h5", ".hdf5", ".hdf", ".he5")
@@ -144,7 +146,7 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
         return
     if dtype != "float64":
         raise InputError(f"{path}: only .h5 is written as {dtype} (--float32)")
-    if path.suffix.lower() in (".npz", ".txt", ".csv"):
+    if path.suffix.lower() in NOT_HDF5:
         from . import arrays
 
         (arrays.write_npz if path.suffix.lower() == ".npz" else arrays.write_text)(hm, path)

@@ -18,7 +18,7 @@ from surfaces.numerics import parallel
 from ._container import HEIGHTS
 from ._packing import FILTERS, chunk_of, packed
 from ._schema import SCHEMA, plain
-from .atomic import replacing
+from .atomic import NOT_HDF5, replacing
 
 __all__ = ["write_blocks"]
 
@@ -72,7 +72,7 @@ def write_blocks(
         raise InputError(f"dtype is {dtype!r}; heights are stored as float64 or float32")
     if len(shape) != 2 or min(shape) < 3:
         raise SurfaceError(f"shape is {shape}; a height map needs two axes of at least 3 points")
-    if Path(path).suffix.lower() in (".csv", ".npz", ".txt"):
+    if Path(path).suffix.lower() in NOT_HDF5:
         raise InputError(f"{path}: blocks are written as HDF5 alone; call the file .h5")
     spacing = checked_spacing(spacing)
     steps = [dict(step) for step in history]
