@@ -31,8 +31,7 @@ from judged_maps import errors, reference, scenes
 from numba import njit
 from numpy.typing import NDArray
 
-from asperity.parameters import DEFAULTS, Corrections, Parameters
-from asperity.parameters.constants import PressedBasins
+from asperity.parameters import DEFAULTS, Corrections, Parameters, PressedBasins
 from asperity.results.storage import write_csv
 
 MATTERS = 0.005

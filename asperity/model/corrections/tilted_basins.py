@@ -19,7 +19,7 @@ from asperity.microcontact.laws import tabulate
 if TYPE_CHECKING:
     from asperity.interaction.population import Population, PopulationState
     from asperity.microcontact.law_table import LawTable
-    from asperity.parameters.constants import TiltedBasins
+    from asperity.parameters import TiltedBasins
     from surfaces.peaks.summits import Summits
 
 __all__ = ["area_under", "correct"]
