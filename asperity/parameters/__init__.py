@@ -17,7 +17,15 @@ from .constants import (
     WaveSplit,
 )
 
-__all__ = ["DEFAULTS", "Corrections", "Parameters", "PressedBasins", "SharpTips", "TiltedBasins"]
+__all__ = [
+    "DEFAULTS",
+    "Corrections",
+    "JoinedPairs",
+    "Parameters",
+    "PressedBasins",
+    "SharpTips",
+    "TiltedBasins",
+]
 
 
 @dataclass(frozen=True)
@@ -32,19 +40,28 @@ class PressedBasins:
         smooth, round summit, whose law is nearer. (25 %: load 0.9 %, area 2.0 %.)
     ridge
         Ratio of its curvatures [-] up to which a summit is round. (25 %: load 0.4 %, area 0.2 %.)
-    pair_share
-        Share [-] of the load from which on two contacts that join are pressed as one. (25 %: load
-        2.3 %, area 5.7 %.)
-    slack
-        Part of the approach [-] under the pass between them where the basins of both still hang
-        together. (25 %: load 0.3 %, area 4.6 %.)
     """
 
     ridge_share: float = 0.03
     plateau_share: float = 0.003
     round_share: float = 0.1
     ridge: float = 5.0
-    pair_share: float = 0.2
+
+
+@dataclass(frozen=True)
+class JoinedPairs:
+    """Two contacts that join while they carry so much of the load that they are pressed as one.
+
+    Attributes
+    ----------
+    share
+        Share [-] of the load from which on they are. (25 %: load 2.3 %, area 5.7 %.)
+    slack
+        Part of the approach [-] under the pass between them where the basins of both still hang
+        together. (25 %: load 0.3 %, area 4.6 %.)
+    """
+
+    share: float = 0.2
     slack: float = 0.1
 
 
@@ -146,6 +163,7 @@ class Parameters:
     wave_split: WaveSplit = field(default_factory=WaveSplit)
     sub_contact: SubContact = field(default_factory=SubContact)
     pressed_basins: PressedBasins = field(default_factory=PressedBasins)
+    joined_pairs: JoinedPairs = field(default_factory=JoinedPairs)
     tilted_basins: TiltedBasins = field(default_factory=TiltedBasins)
     sharp_tips: SharpTips = field(default_factory=SharpTips)
     spots: Spots = field(default_factory=Spots)

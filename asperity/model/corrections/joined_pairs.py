@@ -56,7 +56,7 @@ def _joining(
 ) -> tuple[Rows, Array, Array]:
     """Pairs of summits, (k, 2), that join while they carry much of the load; the approaches [m] of
     both, (k, 2), and how far down [m] their basins hang together, (k,)."""
-    bounds = parameters.pressed_basins
+    bounds = parameters.joined_pairs
     pairs = summits.owner[summits.peaks.neighbors]
     top, low = summits.height[pairs], summits.peaks.passes
     flat = low - (parameters.spots.joined - 1.0) * (top.mean(axis=1) - low)
@@ -64,7 +64,7 @@ def _joining(
     some &= (flat > shares.lowest) & (flat < top.min(axis=1))
     pairs, low, flat, approach = pairs[some], low[some], flat[some], (top - flat[:, None])[some]
     load = np.sum(shares.weight[pairs] * approach**1.5, axis=1)
-    some = load > bounds.pair_share * shares.load(flat)
+    some = load > bounds.share * shares.load(flat)
     pairs, approach, low = pairs[some], approach[some], low[some]
     return pairs, approach, low - bounds.slack * approach.mean(axis=1)
 
