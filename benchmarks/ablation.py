@@ -128,8 +128,7 @@ CORRECTIONS = {
         ("pressed_basins", "joined_pairs"),
         (
             "asperity.model.law_rows",
-            f"{LAWS}.single_contacts.press_basins",
-            f"{LAWS}.single_contacts.pressed_slots",
+            f"{LAWS}.pressed_basins",
             f"{LAWS}.joined_pairs",
             f"{PRESS}.press",
             f"{PRESS}._element_kernels",
@@ -166,7 +165,7 @@ CORRECTIONS = {
             "surfaces.peaks._climb.uphill",
         ),
     ),
-    "sharp tips": Correction("sharp_tips", (f"{LAWS}.single_contacts.mark_sharp_tips",)),
+    "sharp tips": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
     "tips of other powers": Correction(
         _no_powers, ("asperity.microcontact.law_kernels._tip_exponents",)
     ),

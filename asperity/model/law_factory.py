@@ -17,7 +17,7 @@ from asperity.microcontact.law_table import LawTable, LazyTable, joined
 from asperity.microcontact.laws import elastic_table
 from surfaces.numerics.stored_array import StoredArray
 
-from .corrections.single_contacts import mark_sharp_tips, press_basins
+from .corrections import pressed_basins, sharp_tips
 from .law_rows import LawRows
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ __all__ = ["LawFactory"]
 
 Rows = NDArray[np.int64]
 
-CORRECTIONS = {"sharp_tips": mark_sharp_tips, "pressed_basins": press_basins}
+CORRECTIONS = {"sharp_tips": sharp_tips.correct, "pressed_basins": pressed_basins.correct}
 """What changes the laws of single contacts, in this order: switch (`parameters.Corrections`) and
 function."""
 

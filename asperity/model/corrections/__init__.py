@@ -1,1 +1,1 @@
-"""Corrections of the laws of single contacts, one file each."""
+"""Corrections of contact laws, a module each, named as the switch (`asperity.parameters`)."""

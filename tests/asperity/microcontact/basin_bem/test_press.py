@@ -13,7 +13,7 @@ from asperity.microcontact.basin_bem import press
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
 from asperity.microcontact.yielding import capped
-from asperity.model.corrections import single_contacts
+from asperity.model.corrections import pressed_basins
 from asperity.model.law_rows import LawRows, LoadShares
 from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, resample, segment, self_affine
@@ -231,7 +231,7 @@ def pressed_slots(summits, rows, table):
     """Slots of the laws that are pressed alone."""
     shares = LoadShares.of(summits)
     profiles = summits.rows(rows)
-    return single_contacts.pressed_slots(
+    return pressed_basins.pressed_slots(
         LawRows(table, rows, profiles, summits, shares, BODY, DEFAULTS)
     )
 

@@ -1,8 +1,4 @@
-"""Laws of single contacts that no expansion describes.
-
-A tip between two nodes of its rays is marked. A contact that carries much of the load beyond its
-expansion gets the law of its basin pressed alone.
-"""
+"""Contacts that carry much of the load beyond their expansion: their basins are pressed alone."""
 
 from __future__ import annotations
 
@@ -18,7 +14,7 @@ from surfaces.peaks.peaks import SUMMIT
 if TYPE_CHECKING:
     from asperity.model.law_rows import LawRows
 
-__all__ = ["mark_sharp_tips", "press_basins", "pressed_slots"]
+__all__ = ["correct", "pressed_slots"]
 
 EARLY = 5
 """Node to which the expansion of a smooth summit holds at least."""
@@ -27,25 +23,7 @@ LATER = np.array([0, 1, 3, 6])
 """Nodes of a table beyond the expansion at which the share is looked at."""
 
 
-def mark_sharp_tips(laws: LawRows) -> None:
-    """Raise the expected errors of contacts that reach little beyond a tip between two nodes, and
-    mark them as beyond what the expansion describes."""
-    bounds, profiles, table = laws.parameters.sharp_tips, laws.profiles, laws.table
-    tip, first = (profiles.q[:, :, node].mean(axis=1) for node in (0, 1))
-    ratio = tip / np.maximum(first, np.finfo(float).tiny)
-    sharp = np.flatnonzero(profiles.valid & (ratio > bounds.ratio))
-    if not sharp.size:
-        return
-    inner = np.pi * np.mean((profiles.t[1] * profiles.edge[sharp]) ** 2, axis=1)
-    share = inner[:, None] / np.maximum(table.area[sharp], inner[:, None])
-    missed = np.minimum((ratio[sharp, None] - 1.0) * share, 1.0)
-    table.spread[sharp] = np.maximum(table.spread[sharp], missed)
-    missed[:, 0] = 0.0
-    flags = np.where(missed > bounds.error, Flag.BEYOND_RADIUS, 0)
-    table.flags[sharp] |= flags.astype(np.uint8)
-
-
-def press_basins(laws: LawRows) -> None:
+def correct(laws: LawRows) -> None:
     """Put laws of basins pressed alone in the place of those of contacts of large load share."""
     slots = pressed_slots(laws)
     put(laws.table, slots, laws.summits, laws.rows[slots], laws.material)
