@@ -31,6 +31,7 @@ from judged_maps import errors, reference, scenes
 from numba import njit
 from numpy.typing import NDArray
 
+from asperity.model import law_factory
 from asperity.parameters import DEFAULTS, Corrections, Parameters, PressedBasins
 from asperity.results.storage import write_csv
 
@@ -103,6 +104,10 @@ SPLIT = "asperity.multiscale.wave_split"
 LAWS = "asperity.model.corrections"
 
 CORRECTIONS = {
+    **{
+        switch.replace("_", " "): Correction(switch, (correct.__module__,))
+        for switch, correct in law_factory.CORRECTIONS.items()
+    },
     "contact shift": Correction(
         replaced(f"{NEWTON}.state.contact_shifts", _no_shift),
         (
@@ -124,7 +129,7 @@ CORRECTIONS = {
         "elongation",
         ("asperity.interaction.elongation",),
     ),
-    "basins pressed alone": Correction(
+    "pressed basins": Correction(
         ("pressed_basins", "joined_pairs"),
         (
             "asperity.model.law_rows",
@@ -165,14 +170,13 @@ CORRECTIONS = {
             "surfaces.peaks._climb.uphill",
         ),
     ),
-    "sharp tips": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
     "tips of other powers": Correction(
         _no_powers, ("asperity.microcontact.law_kernels._tip_exponents",)
     ),
     "split of the waves": Correction(
         "wave_split",
         (
-            *(f"{SPLIT}.{name}" for name in ("Split", "split_scales", "_law", "_breadth", "_lay")),
+            *(f"{SPLIT}.{name}" for name in ("Split", "split_scales", "_law", "_breadth")),
             "asperity.multiscale.sub_contact_law",
             "asperity.multiscale.spectrum_shells",
         ),
@@ -186,7 +190,7 @@ CORRECTIONS = {
         ),
     ),
 }
-"""The corrections by name."""
+"""The corrections by name; those of laws that need no entry of their own come first."""
 
 
 @contextmanager
@@ -212,6 +216,8 @@ def measure(args: argparse.Namespace) -> list[dict[str, Any]]:
     groups: dict[str, str] = {}
     found_: Found = {}
     names = [n for n in CORRECTIONS if not args.only or any(part in n for part in args.only)]
+    if not names:
+        raise SystemExit(f"no correction is called {args.only}; there are {[*CORRECTIONS]}")
     warm = True
     for scene in scenes(args.maps):
         if args.families and not any(part in scene.family for part in args.families):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -74,3 +75,11 @@ def test_a_correction_switched_off_changes_the_answer(name):
 
 def test_every_correction_of_laws_has_a_switch():
     assert set(CORRECTIONS) <= {field.name for field in fields(Corrections)}
+
+
+def test_the_code_of_every_row_of_the_ablation_is_there(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[4] / "benchmarks")
+    from ablation import CORRECTIONS as rows
+    from ablation import lines_of
+
+    assert all(lines_of(row.objects) for row in rows.values())
