@@ -15,7 +15,7 @@ import asperity
 from asperity.microcontact import laws
 from asperity.model import law_factory
 from asperity.parameters import DEFAULTS, Corrections
-from surfaces import HeightMap, self_affine
+from surfaces import FileFormatError, HeightMap, self_affine
 
 PAGE = (Path(__file__).resolve().parents[1] / "CONTRIBUTING.md").read_text()
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -72,12 +72,29 @@ def test_a_correction_of_the_page_changes_the_laws_that_it_is_for(monkeypatch):
     np.testing.assert_allclose(stated[1][changed], 0.1)
 
 
+def test_a_format_of_the_page_is_read_and_its_faults_are_told(tmp_path):
+    read = example("Add a file format").read_surfer
+    heights, path = np.random.default_rng(1).normal(size=(4, 6)), tmp_path / "a.grd"
+    text = "DSAA 6 4 0 10 0 9 -3 3 " + " ".join(map(str, heights.ravel()))
+    path.write_text(text)
+    hm = read(path, None, "um", None)
+    np.testing.assert_allclose(hm.heights, 1e-6 * heights)
+    np.testing.assert_allclose(hm.spacing, (3e-6, 2e-6))
+    with pytest.raises(FileFormatError, match="states no unit"):
+        read(path, None, None, None)
+    for cut in range(5, len(text) - 20, 7):
+        path.write_text(text[:cut])
+        with pytest.raises(FileFormatError, match="damaged Surfer grid"):
+            read(path, None, "um", None)
+
+
 @pytest.mark.parametrize(
     "file",
     [
         "asperity/microcontact/laws.py",
         "asperity/parameters/__init__.py",
         "asperity/model/law_factory.py",
+        "surfaces/files/formats.py",
     ],
 )
 def test_the_page_names_the_files_to_change(file):
