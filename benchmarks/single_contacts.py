@@ -32,11 +32,11 @@ from asperity import HalfSpace, indent
 from asperity.bem.single import BemIndentation, indent_bem
 from asperity.errors import AsperityError
 from asperity.microcontact.hertz import elliptic_contact
+from asperity.microcontact.single.indent import SOLVERS
 from asperity.results.storage import write_csv
 from surfaces import PolynomialProfile, shapes
 
 SEEDS = {"fit": 100, "check": 500}
-LAWS = ("paper", "harmonic", "ellipse", "ritz", "hertz", "auto")
 GRADINGS = (-0.3, 0.0, 0.3, 0.5)
 HARMONICS = {"third": (0.2, 0.0), "fourth": (0.0, 0.2), "both": (0.2, 0.2)}
 """Shares of the third and the fourth harmonic of the gap."""
@@ -115,7 +115,7 @@ def judge(contacts: list[Contact], grid: int) -> dict[str, list[str]]:
         used += 1
         truth, uncertainty = found
         material = HalfSpace.from_modulus(1.0, contact.m)
-        for law in LAWS:
+        for law in SOLVERS:
             try:
                 one = indent(contact.profile, material, contact.depth, law=law)
             except AsperityError:
@@ -145,7 +145,7 @@ def judge(contacts: list[Contact], grid: int) -> dict[str, list[str]]:
 
 def _estimates(rows: dict[tuple[str, str], np.ndarray]) -> dict[str, list[str]]:
     """Share inside and rms errors of the force, one row per law; empty where no contact is left."""
-    laws = [law for law in LAWS if law != "auto"]
+    laws = [law for law in SOLVERS if law != "auto"]
     table = {"law": [f"`{law}`" for law in laws]}
 
     def column(kind: str, figure: Callable[[np.ndarray], str], unflagged: bool) -> list[str]:

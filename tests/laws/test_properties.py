@@ -11,9 +11,10 @@ from oracles import axisymmetric
 from asperity import HalfSpace, indent
 from asperity.microcontact import Flag
 from asperity.microcontact.hertz import elliptic_contact
+from asperity.microcontact.single.indent import SOLVERS
 from surfaces import PolynomialProfile, PowerLawProfile, PowerSumProfile
 
-LAWS = ["hertz", "paper", "harmonic", "ellipse", "ritz", "auto"]
+LAWS = [*SOLVERS]
 QUICK = ["hertz", "paper", "harmonic", "ellipse"]
 TURN = 2 * np.pi * np.arange(24) / 24
 

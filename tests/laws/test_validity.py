@@ -7,6 +7,7 @@ import pytest
 
 from asperity import HalfSpace, indent
 from asperity.microcontact import Flag
+from asperity.microcontact.single.indent import SOLVERS
 from surfaces import (
     HeightMap,
     PolarProfile,
@@ -16,7 +17,7 @@ from surfaces import (
     segment,
 )
 
-LAWS = ["hertz", "paper", "harmonic", "ellipse", "ritz", "auto"]
+LAWS = [*SOLVERS]
 TIPS = ["paper", "harmonic", "ellipse", "ritz", "auto"]
 TURN = 2 * np.pi * np.arange(48) / 48
 BODY = HalfSpace.from_modulus(1.0)
