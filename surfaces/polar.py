@@ -27,7 +27,7 @@ class PowerSumProfile:
     powers
         Exponents k_i, positive.
     angular
-        One angular factor psi_i per exponent: a vectorised function of phi [rad], a number, or an
+        One angular factor psi_i per exponent: a vectorized function of phi [rad], a number, or an
         array of values at equispaced angles ``2 pi j / n`` (then interpolated by a periodic
         monotone cubic).
     corners
@@ -102,7 +102,7 @@ class PowerLawProfile(PowerSumProfile):
     k
         Exponent, positive: 1 a cone or pyramid, 2 a paraboloid.
     psi
-        Angular factor [m^(1-k)]: vectorised function of phi, a number, or values at equispaced
+        Angular factor [m^(1-k)]: vectorized function of phi, a number, or values at equispaced
         angles.
     corners
         Angles [rad] of the kinks of psi, if any.
@@ -291,7 +291,7 @@ class PolarProfile:
 
 
 def _angular(psi: Any) -> Angular:
-    """A vectorised function of phi from a function, a number or equispaced samples."""
+    """A vectorized function of phi from a function, a number or equispaced samples."""
     if callable(psi):
         return psi  # type: ignore[no-any-return]
     values = as_numbers("psi", psi)

@@ -38,7 +38,7 @@ class Cap:
         Height of the summit [m].
     gap
         Function f(r, phi) [m] of the distance r [m] from the summit and the direction phi [rad],
-        zero at r = 0; vectorised. NaN or infinity: the cap does not reach so far.
+        zero at r = 0; vectorized. NaN or infinity: the cap does not reach so far.
     angle
         Turn of the cap, counter-clockwise from +x [rad].
     """

@@ -1,4 +1,4 @@
-"""Law "auto": for every contact the law that measured validity favours.
+"""Law "auto": for every contact the law that measured validity favors.
 
 The expansion about the optimal ellipse is the most accurate wherever a polynomial describes the
 summit inside the contact, at any ratio of curvatures and any filling of the basin. A sharp tip (a
@@ -46,7 +46,7 @@ GROSS = 1.3
 def tabulate(
     profiles: Profiles, material: HalfSpace, *, law: str = "auto", nodes: int = ellipse_batch.NODES
 ) -> LawTable:
-    """Law table of a batch: the ellipse law, guarded by direct maximisation where it ends early.
+    """Law table of a batch: the ellipse law, guarded by direct maximization where it ends early.
 
     Where no polynomial describes a summit beyond its tip (a noisy spike on a ridge), the
     continuation of the ellipse law can be off by factors. For such summits, about one in ten, the
@@ -76,7 +76,7 @@ def tabulate(
 
 
 def _without_pull(table: LawTable) -> None:
-    """Mend laws by direct maximisation that pull, in a table that nobody else holds.
+    """Mend laws by direct maximization that pull, in a table that nobody else holds.
 
     On a plateau that rays leave uphill they do so at first. Up to the node at which F / u^p is
     largest, u being the root of the approach over the reach, a paraboloid takes their place: of 12

@@ -61,7 +61,7 @@ def tabulate(
     radii by a radial rule of `points` points.
 
     All quantities are computed on a grid of radii a, where everything is explicit, and
-    interpolated to the approaches in the normalised forms F/u^(3+m), A/u^2, u = sqrt(d). Beyond
+    interpolated to the approaches in the normalized forms F/u^(3+m), A/u^2, u = sqrt(d). Beyond
     the end of a ray f goes on with its last slope and the curvature 2q, so that the mean profile
     keeps rising; the flag `BEYOND_RADIUS` says where that is used. Where the expansion leaves its
     range the table is bounded (F2 <= F/2, the area between half and twice that of the circle) and

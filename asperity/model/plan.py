@@ -279,7 +279,7 @@ def require_plan(plan: object) -> None:
 def interaction_needed(
     hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray, parameters: Parameters
 ) -> tuple[bool, str]:
-    """Whether neighbours matter at load points as `checked_loads` gives them, and why."""
+    """Whether neighbors matter at load points as `checked_loads` gives them, and why."""
     if kind != "pressure" or material.m != 0.0:
         return True, "interaction: on"
     force = float(values.max()) * hm.area
@@ -291,7 +291,7 @@ def interaction_needed(
     negligible = parameters.limits.negligible_shift
     if shift < negligible * approach:
         return False, (
-            "interaction: off, the load is so small that neighbours would shift a contact by "
+            "interaction: off, the load is so small that neighbors would shift a contact by "
             f"less than {negligible:g} of its approach"
         )
     return True, "interaction: on"

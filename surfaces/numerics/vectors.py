@@ -1,4 +1,4 @@
-"""The vector type of hand-vectorised loops: several numbers of one precision, handled at once.
+"""The vector type of hand-vectorized loops: several numbers of one precision, handled at once.
 
 The automatic vectorizer misses loops of few terms, table look-ups and shuffles. Such a loop is
 written with vectors: they know the arithmetic operators with each other and with numbers,

@@ -181,7 +181,7 @@ def test_a_free_boundary_cuts_a_periodic_map_at_its_border(rough):
 
 
 def test_interaction_opens_the_surface(rough):
-    """On a half-space at rest far away, neighbours only ever push each other away."""
+    """On a half-space at rest far away, neighbors only ever push each other away."""
     case = {"separations": [1.0 * rough.rms_height], "boundary": "free"}
     alone = asperity.contact_curve(rough, STEEL, interaction=False, **case)
     coupled = asperity.contact_curve(rough, STEEL, **case)
@@ -319,7 +319,7 @@ def test_independent_contacts_carry_the_load_asked_for(rough):
 
 
 def test_independent_contacts_are_counted_as_their_table_has_them():
-    """Summits that no law is made for, such as those pressed with a neighbour, carry nothing."""
+    """Summits that no law is made for, such as those pressed with a neighbor, carry nothing."""
     hm = self_affine((96, 128), (96.0, 128.0), hurst=0.8, rms_slope=0.1, rolloff=24.0, seed=2)
     loads = {"pressures": default_pressures(hm, STEEL)[[3, 9]]}
     run = solve_contacts(hm, STEEL, make_plan(hm, STEEL, interaction=False, **loads), **loads)

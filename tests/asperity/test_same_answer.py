@@ -90,7 +90,7 @@ def test_long_contacts_do_not_hang_on_the_near_pairs_listed(monkeypatch):
     )
     loads = np.array([0.01, 0.04]) * pressure_scale(hm, BODY)
     few = asperity.contact_curve(hm, BODY, pressures=loads)
-    monkeypatch.setitem(Interaction.__init__.__kwdefaults__, "neighbours", 160)
+    monkeypatch.setitem(Interaction.__init__.__kwdefaults__, "neighbors", 160)
     many = asperity.contact_curve(hm, BODY, pressures=loads)
     assert few.converged.all() and many.converged.all() and few.area_fraction[-1] > 0.09
     change = (few.separation - many.separation) * many.stiffness / many.mean_pressure

@@ -60,7 +60,7 @@ def test_mean_profile_that_turns_over(law):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_higher_neighbour(law):
+def test_higher_neighbor(law):
     """A body that stands higher beside the summit meets the flat at any approach."""
     profile = table(lambda x, y: np.minimum(x * x + y * y, (x - 1.5) ** 2 + y * y - 0.3))
     flags, one = flags_of(profile, [1e-3, 0.1], law)
@@ -122,7 +122,7 @@ def test_no_warning_far_out_of_range():
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_neighbour_of_a_summit_cut_from_a_map(law):
+def test_neighbor_of_a_summit_cut_from_a_map(law):
     """Two bumps with a saddle between: the lower the saddle, the deeper the contact may go."""
     y, x = np.mgrid[0:60, 0:90] * np.array([1.1e-6, 1e-6])[:, None, None]
     bumps = [

@@ -31,7 +31,7 @@ def test_outliers_of_a_periodic_map_move_with_it() -> None:
 
 
 @pytest.mark.parametrize("width", [1, 2, 3])
-def test_spikes_are_found_and_at_most_a_neighbour_more(width: int) -> None:
+def test_spikes_are_found_and_at_most_a_neighbor_more(width: int) -> None:
     hm = smooth()
     heights = hm.heights + np.random.default_rng(5).normal(0.0, 3e-9, hm.shape)
     where = np.zeros(hm.shape, dtype=bool)

@@ -19,7 +19,7 @@ def _nearest(way, size):
 
 @njit(inline="always")
 def _beside(place, step, count, wrap):
-    """Neighbouring line of cells, -1 if there is none or it has been met."""
+    """Neighboring line of cells, -1 if there is none or it has been met."""
     if count == 1:
         return 0 if step == 0 else -1
     other = place + step

@@ -34,11 +34,11 @@ __all__ = [
     "total",
 ]
 
-NEIGHBOURS = 15
-"""Neighbours within the cut-off, on average."""
+NEIGHBORS = 15
+"""Neighbors within the cut-off, on average."""
 
 FEW, NEAREST = 3_500, 11
-"""Points whose mesh is short, and their neighbours: pairs and mesh then take the same time."""
+"""Points whose mesh is short, and their neighbors: pairs and mesh then take the same time."""
 
 PAIRS = 5_000
 """Near pairs, twice over, that cost little, of however few points: what footprints are beyond them
@@ -78,21 +78,21 @@ def split_length(
     periodic: bool,
     widest: float,
     cut: float,
-    neighbours: float | None = None,
+    neighbors: float | None = None,
 ) -> float:
     """Split length eta [m] of an interaction of `count` points.
 
     The cell, or the extent of the points on a free half-space, has the sides `size` (Ly, Lx) [m].
     The largest variance of a footprint is `widest` [m^2], and `cut` the cut-off of the near pairs
-    over the split length, within which there are so many `neighbours` on average; as many as are
+    over the split length, within which there are so many `neighbors` on average; as many as are
     fastest if None.
     """
-    if neighbours is None:
-        neighbours = max(NEAREST if count <= FEW else NEIGHBOURS, PAIRS / count)
-    # within this distance of a point there are `neighbours` of a plane or, if more, of a line
+    if neighbors is None:
+        neighbors = max(NEAREST if count <= FEW else NEIGHBORS, PAIRS / count)
+    # within this distance of a point there are `neighbors` of a plane or, if more, of a line
     reach = max(
-        math.sqrt(neighbours / math.pi * size[0] * size[1] / count),
-        0.5 * neighbours * max(size) / count,
+        math.sqrt(neighbors / math.pi * size[0] * size[1] / count),
+        0.5 * neighbors * max(size) / count,
     )
     floor = cut * WIDEST * math.sqrt(widest)
     reach = max(reach, floor)

@@ -86,8 +86,8 @@ class Interaction:
         Kernel of the half-space.
     widest
         Variance [m^2] that few footprints exceed; the split length is kept well above its root.
-    neighbours, cut, nodes
-        Accuracy against cost: mean number of near neighbours, cut-off over the split length,
+    neighbors, cut, nodes
+        Accuracy against cost: mean number of near neighbors, cut-off over the split length,
         mesh nodes per split length.
 
     Attributes
@@ -124,7 +124,7 @@ class Interaction:
         footprints: Footprints,
         *,
         widest: float = 0.0,
-        neighbours: float | None = None,
+        neighbors: float | None = None,
         cut: float = CUT,
         nodes: float = NODES,
     ) -> None:
@@ -138,7 +138,7 @@ class Interaction:
             small = 1e-9 * math.hypot(*cell)
             y, x = y - self.origin[0], x - self.origin[1]
             size = (float(y.max()) + small, float(x.max()) + small)
-        self.eta = split_length(len(y), size, periodic, widest, cut, neighbours)
+        self.eta = split_length(len(y), size, periodic, widest, cut, neighbors)
         self.sides = size
         size = (size[0] / self.eta, size[1] / self.eta)
         y, x = y / self.eta, x / self.eta

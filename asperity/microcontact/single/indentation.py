@@ -51,7 +51,7 @@ class Indentation:
     flags
         Bits of `asperity.microcontact.Flag`.
     error_estimate
-        Relative error of the force expected from the difference of neighbouring laws.
+        Relative error of the force expected from the difference of neighboring laws.
     saturated
         Estimate of the share of the area at the hardness; zero without one.
 

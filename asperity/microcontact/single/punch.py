@@ -88,7 +88,7 @@ def flat_punch(
     Parameters
     ----------
     edge
-        a(phi) [m]: a vectorised function, a number, or values at equispaced angles.
+        a(phi) [m]: a vectorized function, a number, or values at equispaced angles.
     material
         Half-space, any m.
     corners

@@ -1,8 +1,8 @@
-"""Law "ritz" of one contact: direct maximisation of the Barber-Fabrikant functional.
+"""Law "ritz" of one contact: direct maximization of the Barber-Fabrikant functional.
 
 F[a] = 2 E / J int [d a^2 / (1+m) - a^2 G~(a, phi)] dphi, J = int a^(1-m) dphi (equations 10, 15),
 first over ellipses with a shift, then over every ray. The functional is exact for ellipses about
-their centre only: over free rays it is maximised too far where contacts are elongated (+2.6 % in
+their centre only: over free rays it is maximized too far where contacts are elongated (+2.6 % in
 force at a curvature ratio of 10, +8.5 % at 30), and its value depends on the origin. Where the free
 rays of a narrow contact do not settle, an ellipse nearly as good stands.
 """

@@ -89,7 +89,7 @@ def test_far_from_a_long_footprint_its_mean_moment_is_felt(m):
     f, count, far, variance = Footprints(2.0, m), 24, 0.4, 1e-3
     turn = 2 * np.pi * np.arange(count) / count
     y, x = np.append(far * np.sin(turn), 0.0), np.append(far * np.cos(turn), 0.0)
-    plan = Interaction(y, x, (1.0, 1.0), "free", f, widest=variance, neighbours=4)
+    plan = Interaction(y, x, (1.0, 1.0), "free", f, widest=variance, neighbors=4)
     assert plan.cut * plan.eta < far
     form = of(6.0, 0.4, m).moments
     n, force = count + 1, (plan.order == count).astype(float)

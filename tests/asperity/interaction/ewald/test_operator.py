@@ -154,10 +154,10 @@ def test_field_is_the_dense_sum(m, boundary):
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-@pytest.mark.parametrize(("n", "neighbours"), [(5, 20), (40, 60), (700, 3), (700, 20), (700, 90)])
-def test_near_pairs_are_all_pairs_within_the_cut_off(n, neighbours, boundary):
+@pytest.mark.parametrize(("n", "neighbors"), [(5, 20), (40, 60), (700, 3), (700, 20), (700, 90)])
+def test_near_pairs_are_all_pairs_within_the_cut_off(n, neighbors, boundary):
     y, x, _ = scene(n, 0.0, 4)
-    plan = Interaction(y, x, CELL, boundary, Footprints(1.0), neighbours=neighbours)
+    plan = Interaction(y, x, CELL, boundary, Footprints(1.0), neighbors=neighbors)
     away = np.array([np.subtract.outer(place, place) for place in (plan.y, plan.x)])
     if boundary == "periodic":
         size = np.array(plan.size)[:, None, None]
@@ -179,7 +179,7 @@ def test_finer_settings_converge_to_the_dense_sum():
     dense = dense_matrix(y, x, v, CELL, "periodic", f)
     np.fill_diagonal(dense, dense.diagonal() - f.self_factor / np.sqrt(v))
     errors = []
-    for options in ({"cut": 2.0, "nodes": 2.2}, {"cut": 3.5, "nodes": 4.0, "neighbours": 60}):
+    for options in ({"cut": 2.0, "nodes": 2.2}, {"cut": 3.5, "nodes": 4.0, "neighbors": 60}):
         plan = Interaction(y, x, CELL, "periodic", f, **options)
         value = plan.field(np.ones(len(y)), v[plan.order]).value
         errors.append(np.abs(value - dense.sum(1)[plan.order]).max())

@@ -29,7 +29,7 @@ def scene(m, boundary, n=120, seed=0):
     f = Footprints(2.0, m)
     force = np.random.default_rng(seed).uniform(0.2, 1.0, n)
     moment = np.full(n, 2e-4)
-    plan = Interaction(y, x, CELL, boundary, f, widest=2e-4, cut=3.0, nodes=3.5, neighbours=60)
+    plan = Interaction(y, x, CELL, boundary, f, widest=2e-4, cut=3.0, nodes=3.5, neighbors=60)
     return plan, y[plan.order], x[plan.order], force, moment, f
 
 
@@ -63,7 +63,7 @@ def test_field_of_moments_is_that_of_moved_forces(m, boundary):
     plan, y, x, force, moment, f = scene(m, boundary)
     shift = np.random.default_rng(1).normal(size=(len(y), 2)) * 1e-4
     fast = plan.field(force, moment, np.zeros(len(y)), force[:, None] * shift).moved
-    fine = {"widest": 2e-4, "cut": 3.0, "nodes": 3.5, "neighbours": 60}
+    fine = {"widest": 2e-4, "cut": 3.0, "nodes": 3.5, "neighbors": 60}
     fields = []
     for sign in (1, -1):
         # sources move, receivers stay: two copies of the points, the second without force
