@@ -8,7 +8,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from asperity.halfspace.scene import Boundary
+from asperity.halfspace.load_points import Boundary
 from surfaces.numerics import parallel
 from surfaces.preparation.resampling import resample_waves
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from asperity.errors import InputError
-from asperity.halfspace.scene import Boundary
+from asperity.halfspace.load_points import Boundary
 from surfaces.numerics.memory import available_bytes
 
 __all__ = ["estimated_bytes", "fits", "require_memory"]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.influence import compliance, influence, symbol_quadrant
+from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.scene import Boundary
 from surfaces.numerics.parallel import threads
 
 from . import convolution

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.influence import influence
+from asperity.halfspace.load_points import chosen_boundary, require_scene
 from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.scene import chosen_boundary, require_scene
 from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.scene import Boundary
+from asperity.halfspace.load_points import Boundary
 from surfaces.heightmap import HeightMap
 from surfaces.patches import count_patches, label_patches
 

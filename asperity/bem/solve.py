@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
+from asperity.halfspace.load_points import expected_area_fraction, require_scene
 from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.scene import expected_area_fraction, require_scene
 from surfaces.heightmap import HeightMap
 
 from .bounds import area_error, load_error

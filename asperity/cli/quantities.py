@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.scene import MOST_LOADS
+from asperity.halfspace.load_points import MOST_LOADS
 from surfaces import units
 
 

@@ -13,8 +13,8 @@ import surfaces
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
 from asperity.engine.resolution import representative_part
+from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.scene import Boundary
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import structured
 from surfaces.heightmap import HeightMap

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from asperity.bem.curve import SolvedLoad, bem_curve
 from asperity.bem.memory import fits
+from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.scene import Boundary
 from asperity.parameters import DEFAULTS
 from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap

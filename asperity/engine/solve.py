@@ -16,8 +16,8 @@ from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import ContactRun, solve_contacts
 from asperity.errors import InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
+from asperity.halfspace.load_points import Boundary, checked_loads, chosen_boundary
 from asperity.halfspace.material import HalfSpace, require_half_space
-from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported, require_function
 from asperity.trust.verified import (

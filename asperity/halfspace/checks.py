@@ -16,8 +16,8 @@ from surfaces.checks import (
 from surfaces.heightmap import HeightMap
 from surfaces.roughness import digits_warning, unit_warning
 
+from .load_points import AREA_OVER_LOAD, pressure_scale, slope_scale
 from .material import HalfSpace
-from .scene import AREA_OVER_LOAD, pressure_scale, slope_scale
 
 __all__ = ["hardness_needed", "model_warnings", "modulus_warning", "scene_warnings"]
 

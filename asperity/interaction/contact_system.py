@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
-from asperity.halfspace.scene import known_boundary
+from asperity.halfspace.load_points import known_boundary
 from asperity.interaction.newton.laws import Laws
 from surfaces.numerics.memory import on_disk
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError, ModelRangeError, SurfaceError
 from asperity.halfspace.checks import hardness_needed, model_warnings, scene_warnings
-from asperity.halfspace.scene import (
+from asperity.halfspace.load_points import (
     Boundary,
     checked_loads,
     chosen_boundary,

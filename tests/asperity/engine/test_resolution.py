@@ -11,7 +11,7 @@ import surfaces
 from asperity import HalfSpace, bem_curve, solve
 from asperity.engine import resolution
 from asperity.engine.resolution import FLOOR, narrow_share
-from asperity.halfspace.scene import default_pressures
+from asperity.halfspace.load_points import default_pressures
 
 BODY = HalfSpace.from_modulus(1.0)
 

@@ -7,13 +7,13 @@ import pytest
 
 from asperity import bem_curve, bem_solve, compare, contact_curve, make_plan
 from asperity.errors import InputError
-from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.scene import (
+from asperity.halfspace.load_points import (
     checked_loads,
     default_pressures,
     expected_area_fraction,
     slope_scale,
 )
+from asperity.halfspace.material import HalfSpace
 from surfaces import HeightMap
 
 

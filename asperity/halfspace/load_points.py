@@ -1,4 +1,4 @@
-"""What a curve is asked for: the boundary of its map and its load points, checked or by default."""
+"""Boundary and load points of a curve, checked or by default; scales of pressure and slope."""
 
 from __future__ import annotations
 
