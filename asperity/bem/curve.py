@@ -32,8 +32,8 @@ from surfaces.numerics.parallel import apart
 from surfaces.numerics.parallel import threads as thread_count
 
 from .bounds import area_error, load_error
+from .load_path import NO_LIMIT, LoadPath, follow_chains, split_loads, stopping
 from .memory import fits
-from .path import NO_LIMIT, LoadPath, follow_chains, split_loads, stopping
 from .problem import ContactProblem
 
 __all__ = ["SolvedLoad", "bem_curve"]

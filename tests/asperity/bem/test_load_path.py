@@ -9,7 +9,7 @@ import pytest
 from strategies import rough
 
 from asperity import HalfSpace, bem_curve
-from asperity.bem import curve, path
+from asperity.bem import curve, load_path
 from asperity.bem.correction import Level, PressureOrigin
 from asperity.bem.problem import ContactProblem
 from asperity.limits import set_threads
@@ -21,10 +21,10 @@ BODY = HalfSpace.from_modulus(1.0)
 def test_chains_hold_every_load_once(n):
     """In ascending order; one chain if there are few loads or the grid is small."""
     shares = np.geomspace(0.02, 1.0, n)
-    found = path.split_loads(shares, 10**6)
+    found = load_path.split_loads(shares, 10**6)
     assert [i for chain in found for i in chain] == list(range(n))
     assert len(found) == (2 if n >= 8 else 1)
-    assert path.split_loads(shares, 100) == [range(n)]
+    assert load_path.split_loads(shares, 100) == [range(n)]
     if len(found) == 2:
         cost = [sum(1 + 5 * shares[i] for i in chain) for chain in found]
         assert cost[0] == pytest.approx(cost[1] + 2.0, abs=6.0)
@@ -68,9 +68,9 @@ def test_a_failing_callback_ends_the_curve(monkeypatch):
 def test_a_load_starts_from_the_last_where_its_prediction_is_good(monkeypatch, ratio, cold):
     """All six loads, or nearly so, start from coarser grids where they are far apart."""
     starts = []
-    start = path.ContactProblem.start
+    start = load_path.ContactProblem.start
     monkeypatch.setattr(
-        path.ContactProblem, "start", lambda *given: starts.append(given) or start(*given)
+        load_path.ContactProblem, "start", lambda *given: starts.append(given) or start(*given)
     )
     hm, loads = rough((128, 128), seed=6), 0.2 * ratio ** np.arange(-5.0, 1.0)
     found = bem_curve(hm, BODY, pressures=loads, tolerance=1e-7)
