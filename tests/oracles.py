@@ -1,4 +1,4 @@
-"""Slow and obvious twins of what is compiled, and closed forms; they use nothing of that code."""
+"""Slow reference implementations of what is compiled, and closed forms, without that code."""
 
 from __future__ import annotations
 

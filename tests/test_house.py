@@ -1,4 +1,4 @@
-"""Rules of the layout that no other tool checks: loops inside a room, private names, sizes."""
+"""Rules of the layout that no other tool checks: import loops, private names, sizes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def module_of(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-PATHS = {module_of(p): p for room in ("surfaces", "asperity") for p in (ROOT / room).rglob("*.py")}
+PATHS = {module_of(p): p for top in ("surfaces", "asperity") for p in (ROOT / top).rglob("*.py")}
 TREES = {module: ast.parse(path.read_text()) for module, path in PATHS.items()}
 
 
@@ -85,7 +85,7 @@ def private(module: str) -> bool:
     return module.rpartition(".")[2].startswith("_") and not module.endswith("__main__")
 
 
-def test_files_fit_in_a_head():
+def test_files_are_short():
     long = {m: n for m, p in PATHS.items() if (n := p.read_text().count("\n")) > MOST_LINES}
     assert not long, long
 

@@ -1,1 +1,1 @@
-"""The main door: choose boundary elements or the microcontact model, run, verify."""
+"""`asperity.solve`: choose boundary elements or the microcontact model, run, verify."""

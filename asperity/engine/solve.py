@@ -1,4 +1,4 @@
-"""One question, one answer: the contact curve by the engine that gives it soonest, verified."""
+"""`asperity.solve`: the contact curve by the engine that gives it soonest, verified."""
 
 from __future__ import annotations
 

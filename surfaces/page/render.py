@@ -23,7 +23,7 @@ def write_html(
     template: str,
     figures: Sequence[Figure],
     *,
-    rooms: Sequence[str] = (),
+    packages: Sequence[str] = (),
     **content: Any,
 ) -> None:
     """Fill a template and write it; the file is replaced at once when it is complete.
@@ -34,7 +34,7 @@ def write_html(
         Its name; it extends ``page.html.j2``.
     figures
         All figures that the template places.
-    rooms
+    packages
         Packages besides this one that hold templates.
     content
         Names that the template knows; all text is escaped.
@@ -45,7 +45,7 @@ def write_html(
     """
     environment = jinja2.Environment(
         loader=jinja2.ChoiceLoader(
-            [jinja2.PackageLoader(room, ".") for room in (__package__, *rooms)]
+            [jinja2.PackageLoader(package, ".") for package in (__package__, *packages)]
         ),
         autoescape=True,
         undefined=jinja2.StrictUndefined,

@@ -11,7 +11,7 @@ import asperity
 from surfaces import PowerLawProfile, self_affine
 
 HARD = asperity.HalfSpace.from_modulus(1e11, hardness=1e9)
-DOORS = {
+SOLVERS = {
     "contact_curve": asperity.contact_curve,
     "bem_curve": asperity.bem_curve,
     "solve": asperity.solve,
@@ -51,38 +51,38 @@ SCENES = {
 }
 
 
-def told(door, hm, body):
+def told(solver, hm, body):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        door(hm, body, pressures=[1e-4 * body.modulus])
+        solver(hm, body, pressures=[1e-4 * body.modulus])
     found = [one for one in caught if issubclass(one.category, asperity.ContactWarning)]
     assert all(one.filename == __file__ for one in found)
     return [str(one.message) for one in found]
 
 
-@pytest.mark.parametrize("door", DOORS)
-def test_nothing_is_said_of_a_clean_scene(door):
-    assert told(DOORS[door], smooth(), HARD) == []
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_nothing_is_said_of_a_clean_scene(solver):
+    assert told(SOLVERS[solver], smooth(), HARD) == []
 
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_each_doubt_is_told_once_with_its_number_and_its_cure(scene):
     hm, body, number, cure = SCENES[scene]
-    (found,) = [text for text in told(DOORS["bem_solve"], hm(), body) if number in text]
+    (found,) = [text for text in told(SOLVERS["bem_solve"], hm(), body) if number in text]
     assert cure in found
 
 
-@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("scene", ["tilt", "yields"])
-def test_every_solver_tells_what_the_scene_makes_doubtful(door, scene):
+def test_every_solver_tells_what_the_scene_makes_doubtful(solver, scene):
     hm, body, number, _ = SCENES[scene]
-    assert sum(number in text for text in told(DOORS[door], hm(), body)) == 1
+    assert sum(number in text for text in told(SOLVERS[solver], hm(), body)) == 1
 
 
-@pytest.mark.parametrize("door", [asperity.indent, asperity.indent_bem])
-def test_one_contact_tells_of_a_modulus_in_gpa(door):
+@pytest.mark.parametrize("solver", [asperity.indent, asperity.indent_bem])
+def test_one_contact_tells_of_a_modulus_in_gpa(solver):
     with pytest.warns(asperity.ContactWarning, match="moduli are in Pa") as caught:
-        door(PowerLawProfile(2, 1.0), asperity.HalfSpace(210.0, 0.3), 0.01)
+        solver(PowerLawProfile(2, 1.0), asperity.HalfSpace(210.0, 0.3), 0.01)
     assert len(caught) == 1
 
 
@@ -94,4 +94,4 @@ def test_a_modulus_of_one_is_a_unit(recwarn):
 def test_a_solver_that_fails_leaves_the_next_one_its_voice():
     with pytest.raises(asperity.InputError):
         asperity.bem_solve(smooth(), HARD)
-    assert len(told(DOORS["bem_solve"], wedge(), HARD)) == 1
+    assert len(told(SOLVERS["bem_solve"], wedge(), HARD)) == 1

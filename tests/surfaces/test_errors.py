@@ -1,4 +1,4 @@
-"""Arguments of the wrong type are refused in one sentence, at every public door."""
+"""Arguments of the wrong type are refused in one sentence, by every public function."""
 
 from __future__ import annotations
 

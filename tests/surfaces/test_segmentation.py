@@ -1,4 +1,4 @@
-"""Segmentation: a slow exact flood as twin, symmetries, plateaus, pruning, borders."""
+"""Segmentation: a slow exact flood as reference, symmetries, plateaus, pruning, borders."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ def write_report(path: str | os.PathLike[str], samples: Sequence[Sample]) -> Non
         path,
         "report.html.j2",
         [figure for figure in shown if figure is not None],
-        rooms=["asperity.comparison.report"],
+        packages=["asperity.comparison.report"],
         parts=parts,
         curves=curves,
         spectrum=spectrum,

@@ -1,4 +1,4 @@
-"""The compiled parts of the batched ellipse law beside slow and obvious twins."""
+"""The compiled parts of the batched ellipse law against slow reference implementations."""
 
 from __future__ import annotations
 
