@@ -204,7 +204,7 @@ class _Grid:
         level = np.where(stop == end, np.minimum(level, 0.0), level)
         over = np.maximum(height - self._at_pixels(level), 0.0)
         over = np.sqrt(over * (over + 2.0 * deviation))
-        over += 1e-9 * over.max() + np.finfo(float).tiny  # equal heights press alike
+        over += 1e-9 * over.max() or 1.0  # equal heights press alike
         taken = np.arange(len(order)) < self._at_pixels(stop)
         over[~taken] = 0.0
         pressure = _scaled(over, self.first, total, self.hardness)

@@ -65,7 +65,7 @@ YIELDED_SHARE = np.array([[1.0], [0.0]])
 single summits, and the misfit does not vary slowly."""
 
 YIELDED_COLUMNS = "plastic_share", "unloading_stiffness"
-"""Columns of the model that a curve with a hardness keeps."""
+"""Columns of a curve with a hardness, which boundary elements correct too."""
 
 CORRECTED = "mean_pressure", "separation", "contact_area", "contacts", "stiffness", "residual"
 """Columns of the model that boundary elements correct."""
@@ -229,15 +229,18 @@ def _judged(solved: Solved, points: Indices, name: str) -> Array:
 
 def misfit_at(model: ContactCurve, kind: str, points: Indices, solved: Solved) -> Array:
     """Logarithms of model over boundary elements: of the load at equal separation, of area, number
-    of spots and stiffness at equal load, shape (4, k)."""
+    of spots and stiffness at equal load, and with a hardness of `YIELDED_COLUMNS`, (4 or 6, k)."""
 
     def ratio(name: str) -> Array:
         return np.asarray(np.log(getattr(model, name)[points] / _judged(solved, points, name)))
 
     spots = model.contacts[points], _judged(solved, points, "contacts")
-    tangent = model.extra["tangent_stiffness"][points]
-    stiffness = log_ratio(tangent, _judged(solved, points, "stiffness"))
-    beside = np.subtract(*(np.log(np.maximum(count, 1)) for count in spots)), stiffness
+    told = {name: model.extra[name] for name in YIELDED_COLUMNS if name in model.extra}
+    told = {"stiffness": model.extra["tangent_stiffness"], **told}
+    beside = [
+        np.subtract(*(np.log(np.maximum(count, 1)) for count in spots)),
+        *(log_ratio(each[points], _judged(solved, points, name)) for name, each in told.items()),
+    ]
     if kind == "pressure":
         apart = model.separation[points] - _judged(solved, points, "separation")
         return np.array([_rate(model, points) * apart, ratio("contact_area"), *beside])
@@ -271,13 +274,15 @@ def corrected(
     solved: Solved,
 ) -> ContactCurve:
     """The corrected curve, with what boundary elements found at the points that they solved."""
-    load, area, spots, stiffness = misfit
+    load, area, spots, stiffness, *beside = misfit
     settings = {name: model.settings[name] for name in KEPT if name in model.settings}
     yielded = YIELDED_COLUMNS if "hardness" in settings else ()
     columns: dict[str, Any] = {name: np.array(getattr(model, name), float) for name in CORRECTED}
     columns["stiffness"][points] = model.extra["tangent_stiffness"][points] * np.exp(-stiffness)
     columns["error_estimate"] = np.zeros(len(model))
     extra = {name: model.extra[name].copy() for name in yielded}
+    for values, off in zip(extra.values(), beside, strict=True):
+        values[points] *= np.exp(-off)
     told = extra["area_error_estimate"] = np.zeros(len(model))
     if kind == "pressure":
         columns["separation"][points] -= load / _rate(model, points)
@@ -301,6 +306,7 @@ def corrected(
         columns["contact_area"] = np.maximum(columns["contact_area"], least)
         loading, falling = columns["stiffness"], extra["unloading_stiffness"]
         extra["unloading_stiffness"] = np.maximum(falling, loading)
+        extra["plastic_share"] = np.minimum(extra["plastic_share"], 1.0)
     return replace(
         model,
         **columns,

@@ -98,6 +98,19 @@ def test_long_contacts_do_not_hang_on_the_near_pairs_listed(monkeypatch):
     np.testing.assert_allclose(few.contact_area, many.contact_area, rtol=0.01)
 
 
+def test_a_lattice_of_long_contacts_answers_as_one_cell_of_it():
+    """Footprints too wide for the short side of a cell: alone it carried 24 % less than sixteen."""
+    y, x = (np.arange(n) + 0.5 for n in (32, 128))
+    cell = 0.1 * (np.cos(2 * np.pi * x / 128) + np.cos(2 * np.pi * y / 32)[:, None])
+    found = []
+    for times in ((1, 1), (4, 1), (4, 4)):
+        hm = surfaces.HeightMap(np.tile(cell, times), (1.0, 1.0), periodic=True)
+        found.append(asperity.contact_curve(hm, BODY, pressures=1e-3 * np.array([0.5, 1.0])))
+    for curve in found[:-1]:
+        rate = curve.stiffness / curve.mean_pressure
+        assert np.abs(rate * (curve.separation - found[-1].separation)).max() < 0.01
+
+
 def test_few_contacts_of_fine_waves():
     """Where few fine waves lie under the contacts more of them are contacts: of each load alike."""
     hm = surfaces.self_affine((240, 256), (240.0, 256.0), hurst=0.8, rms_slope=0.1, seed=12)

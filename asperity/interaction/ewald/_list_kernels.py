@@ -52,13 +52,17 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, k, ptr, col, pair):
     """Pairs of points i < j closer than sqrt(cut) for the rows [rows[0], rows[1]) of cells.
 
     Points are sorted by cell, bounded by `start`. `size` is the extent (Ly, Lx) and `wrap` says
-    whether it repeats. From place k on, fills `col` with j and `pair` with y_i - y_j and x_i - x_j,
-    and one place more; `ptr` (n, 2) bounds the pairs of each i. With empty `col` the pairs are
-    counted only. Returns the place after the last.
+    whether it repeats; beyond half of it pairs of further images are listed too, and those of a
+    point with its own, of which j = i. From place k on, fills `col` with j, `pair` with y_i - y_j
+    and x_i - x_j, and one place more; `ptr` (n, 2) bounds the pairs of each i. With empty `col` the
+    pairs are counted only. Returns the place after the last.
     """
     ncy, ncx = cells
     fill = col.size > 0
     high, wide = (size[0], size[1]) if wrap else (math.inf, math.inf)
+    far = math.sqrt(cut)
+    rows_away = int(far / high + 0.5) if ncy == 1 else 0
+    columns_away = int(far / wide + 0.5) if ncx == 1 else 0
     first = np.empty(9, np.int64)
     last = np.empty(9, np.int64)
     for cy in range(rows[0], rows[1]):
@@ -85,5 +89,18 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, k, ptr, col, pair):
                         if fill:  # the next pair is written over one that is not near
                             col[k], pair[0, k], pair[1, k] = j, dy, dx
                         k += 1 if dy * dy + dx * dx < cut else 0
+                    if rows_away + columns_away == 0:
+                        continue
+                    for j in range(i if first[run] == start[home] else first[run], last[run]):
+                        for a in range(-rows_away, rows_away + 1):
+                            for b in range(-columns_away, columns_away + 1):
+                                # the nearest image is listed, and a point has each image twice
+                                if (a == 0 and b == 0) or (i == j and (a, b) < (0, 0)):
+                                    continue
+                                dy = _nearest(y[i] - y[j], high) + a * size[0]
+                                dx = _nearest(x[i] - x[j], wide) + b * size[1]
+                                if fill:
+                                    col[k], pair[0, k], pair[1, k] = j, dy, dx
+                                k += 1 if dy * dy + dx * dx < cut else 0
                 ptr[i, 1] = k
     return k

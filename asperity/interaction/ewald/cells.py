@@ -47,8 +47,12 @@ does not average out over few contacts."""
 WIDEST = 3.0
 """Least split length over the root of the widest variance: moments must stay an expansion."""
 
-LARGEST_CUT = 0.499
-"""Largest cut-off of a periodic cell over its shorter side."""
+NEAREST_IMAGE = 0.499
+"""Cut-off of a periodic cell over its shorter side up to which no point has two images near another
+one: the largest that footprints do not ask for."""
+
+MOST_PAIRS = 2_000_000
+"""Near pairs, twice over, up to which footprints may ask for more."""
 
 RUNG = 1.19
 """Ratio of the cut-offs that plans of a periodic cell may have: they share meshes then."""
@@ -94,30 +98,39 @@ def split_length(
         math.sqrt(neighbors / math.pi * size[0] * size[1] / count),
         0.5 * neighbors * max(size) / count,
     )
-    floor = cut * WIDEST * math.sqrt(widest)
+    floor = _least_cut(count, size, periodic, widest, cut)
     reach = max(reach, floor)
     if periodic:
-        return _repeated(reach, floor, LARGEST_CUT * min(size)) / cut
+        return _repeated(reach, floor, NEAREST_IMAGE * min(size)) / cut
     return max(min(reach, 1.01 * math.hypot(*size)), floor) / cut
 
 
 def long_enough(
-    eta: float, widest: float, periodic: bool, cut: float, size: tuple[float, float]
+    eta: float, count: int, size: tuple[float, float], periodic: bool, widest: float, cut: float
 ) -> bool:
     """Whether a split length is that of footprints of the variance `widest`, or the largest that
-    the cell has."""
-    largest = periodic and cut * eta >= LARGEST_CUT * min(size)
-    return largest or eta >= WIDEST * math.sqrt(widest)
+    so many points have; arguments as of `split_length`."""
+    return cut * eta >= (1 - 1e-9) * _least_cut(count, size, periodic, widest, cut)
 
 
-def _repeated(wanted: float, least: float, most: float) -> float:
-    """The cut-off nearest to that wanted, and not below the least, of those that plans share."""
-    if wanted >= most:
-        return most
-    rungs = round(math.log(most / wanted, RUNG))
-    if most * RUNG**-rungs < least:
-        rungs -= 1
-    return most * RUNG ** -max(rungs, 0)
+def _least_cut(
+    count: int, size: tuple[float, float], periodic: bool, widest: float, cut: float
+) -> float:
+    """Least cut-off for footprints; arguments as of `split_length`."""
+    least = cut * WIDEST * math.sqrt(widest)
+    if not periodic:
+        return least
+    affordable = math.sqrt(MOST_PAIRS / math.pi * size[0] * size[1]) / count
+    return min(least, max(affordable, NEAREST_IMAGE * min(size)))
+
+
+def _repeated(wanted: float, least: float, largest: float) -> float:
+    """The cut-off nearest to that wanted, but no more than the largest, of those that plans share;
+    the next one where it is below the least."""
+    rungs = max(round(math.log(largest / wanted, RUNG)), 0)
+    if largest * RUNG**-rungs < least:
+        rungs = math.floor(math.log(largest / least, RUNG))
+    return largest * RUNG**-rungs
 
 
 def total(

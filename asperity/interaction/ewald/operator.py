@@ -255,8 +255,8 @@ class Interaction:
 
     def holds(self, widest: float) -> bool:
         """Whether the split length is that of footprints of this variance [m^2], or the largest
-        that the cell has."""
-        return long_enough(self.eta, widest, self.wrap, self.cut, self.sides)
+        that so many points have."""
+        return long_enough(self.eta, len(self.order), self.sides, self.wrap, widest, self.cut)
 
     def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
         """The plan of the same pairs with its points a little aside, by `dy` and `dx` [m], shape

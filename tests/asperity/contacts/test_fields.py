@@ -133,6 +133,16 @@ def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
         assert np.corrcoef(pressure.ravel(), exact.pressure.ravel())[0, 1] > likeness
 
 
+def test_a_plateau_bears_its_load():
+    """Where all heights of a contact are equal none lies over the next one: pressures were NaN."""
+    wave = 1e-7 * np.cos(2 * np.pi * 3 * (np.arange(48) + 0.5) / 48)
+    pits = HeightMap(-np.maximum(wave + wave[:, None], 0.0), (1e-6, 1e-6), periodic=True)
+    run = solve_contacts(pits, STEEL, pressures=[1e6, 1e8])
+    for point, load in enumerate(run.curve.load):
+        assert run.pressure_map(point).mean() * pits.area == pytest.approx(load)
+        assert run.spots(point)["force"].sum() == pytest.approx(load)
+
+
 def test_fewer_points_give_nearly_the_same_maps():
     hm = map_of(30)
     run = run_of(hm)

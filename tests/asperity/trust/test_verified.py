@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import asperity
 import surfaces
 from asperity.errors import InputError
+from asperity.trust.verified import Accuracy, verified
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
 LOADS = np.geomspace(3e7, 2e9, 7)
@@ -35,6 +38,29 @@ def test_the_verified_curve_is_within_its_bounds(rough):
     assert (off(curve) <= curve.error_estimate + tight.error_estimate).all()
     assert curve.extra["anchor"][[0, -1]].all()
     np.testing.assert_array_equal(curve.extra["prior_error_estimate"], model.error_estimate)
+
+
+def test_boundary_elements_correct_what_has_yielded(rough):
+    """Between the anchors too: a conductance follows from the stiffness of unloading."""
+    soft = asperity.HalfSpace(210e9, 0.3, hardness=1.2e10)
+    exact = asperity.bem_curve(rough, soft, pressures=LOADS, tolerance=1e-4)
+    model = asperity.contact_curve(rough, soft, pressures=LOADS)
+    off = {"plastic_share": 1.4, "unloading_stiffness": 0.9}
+    model = dataclasses.replace(
+        model, extra={**model.extra, **{name: k * exact.extra[name] for name, k in off.items()}}
+    )
+
+    def judge(values, share):
+        return exact.select(np.searchsorted(LOADS, values))
+
+    found = verified(rough, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
+    between = ~found.extra["anchor"]
+    assert between.any()
+    stiffness = found.extra["unloading_stiffness"] / exact.extra["unloading_stiffness"]
+    np.testing.assert_allclose(stiffness[between], 1.0, rtol=1e-9)
+    share = found.extra["plastic_share"]
+    np.testing.assert_allclose(share[between], exact.extra["plastic_share"][between], rtol=1e-9)
+    assert (share <= 1.0).all()
 
 
 def test_verify_is_a_function(rough):

@@ -172,6 +172,28 @@ def test_near_pairs_are_all_pairs_within_the_cut_off(n, neighbors, boundary):
     np.testing.assert_allclose(plan.pair[:, place], away[:, i, j], atol=1e-6)
 
 
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+@pytest.mark.parametrize(("n", "cell"), [(1, (1.0, 5.0)), (3, (4.0, 1.0)), (6, (1.0, 1.0))])
+def test_wide_footprints_in_a_narrow_cell_act_as_all_their_images(n, cell, m):
+    """Wider than a tenth of its short side, so that near pairs reach beyond the nearest image. Of
+    the own displacement the field was off by 5 to 40 %."""
+    f = Footprints(2.0, m)
+    rng = np.random.default_rng(n)
+    y, x = rng.uniform(0, 1, (2, n)) * np.array(cell)[:, None]
+    v = rng.uniform(0.15, 0.3, n) ** 2
+    plan = Interaction(y, x, cell, "periodic", f, widest=float(v.max()))
+    dense = dense_matrix(y, x, v, cell, "periodic", f)[plan.order][:, plan.order]
+    k = v ** ((1 + m) / 2) / f.rule[0]
+    tangent = Tangent(plan, np.ones(n, bool), k[plan.order])
+    found = np.array([tangent(e) for e in np.eye(n)])
+    own = f.self_factor * v[plan.order] ** (-(1 + m) / 2)
+    wanted = dense + np.diag(1 / k[plan.order] - own)
+    scale = np.sqrt(np.multiply.outer(own, own))
+    assert np.abs((found - wanted) / scale).max() < 0.02
+    field = np.array([plan.field(e, v[plan.order]).value for e in np.eye(n)])
+    assert np.abs((field - dense + np.diag(own)) / scale).max() < 0.02
+
+
 def test_finer_settings_converge_to_the_dense_sum():
     y, x, k = scene(120, 0.0, 8, 0.3)
     f = Footprints(1.0)
