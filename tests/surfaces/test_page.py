@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
@@ -14,6 +17,7 @@ import surfaces
 from surfaces.drawing import suited, told
 from surfaces.page import section, write_page
 from surfaces.page.fields import reduced, reduction, touched
+from surfaces.page.lines import TICKS
 from surfaces.page.words import in_words, preparation_warnings
 from surfaces.statistics import bearing, correlation, density
 
@@ -84,6 +88,24 @@ def test_a_page_finds_each_curve_once(monkeypatch):
         monkeypatch.setattr(module, name, lambda *a, w=whole: calls.append(w.__name__) or w(*a))
     section(rough())
     assert sorted(calls) == ["_correlated", "along_both", "in_memory"]
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="no node is installed")
+@pytest.mark.parametrize(
+    "low, high, expected",
+    [
+        (0.24, 14.0, [0.5, 1, 2, 5, 10]),
+        (14.0, 0.24, [0.5, 1, 2, 5, 10]),
+        (0.03, 40.0, [0.1, 1, 10]),
+        (3e-25, 2e-9, [10.0**power for power in range(-24, -8, 2)]),
+        (2.2, 5.1, [3, 4, 5]),
+    ],
+)
+def test_a_logarithmic_axis_has_numbers_all_along(low, high, expected):
+    data = json.dumps({"range": {"start": low, "end": high}})
+    code = f"console.log(JSON.stringify(((cb_data) => {{{TICKS}}})({data})))"
+    told_by = subprocess.run(["node", "-e", code], capture_output=True, text=True, check=True)
+    np.testing.assert_allclose(json.loads(told_by.stdout), expected)
 
 
 def test_a_page_of_a_map_with_gaps_and_a_hostile_name(tmp_path):
