@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from bokeh.palettes import Cividis256
 
-from surfaces.drawing import suited, told
+from surfaces.drawing import color_range, suited, told
 from surfaces.heightmap import HeightMap
 from surfaces.statistics.bearing import BearingCurve
 from surfaces.statistics.correlation import Autocorrelation
@@ -82,13 +82,11 @@ def parameters(found: Statistics) -> dict[str, str]:
 
 
 def height_layer(hm: HeightMap, most: int = SHOWN) -> Layer:
-    """Heights about their mean; the colors leave out the outermost 0.2 % on either side."""
+    """Heights about their mean, in colors of `color_range`."""
     shown = hm.heights - np.nanmean(hm.heights)
     factor, unit = suited(float(np.nanmax(np.abs(shown))), "m")
-    shown = shown / factor
-    sample = shown[:: max(1, hm.shape[0] // 500), :: max(1, hm.shape[1] // 500)]
-    low, high = np.nanquantile(sample, (0.002, 0.998))
-    return Layer("height", unit, reduced(shown, most), Cividis256, float(low), float(high))
+    shown = reduced(shown / factor, most)
+    return Layer("height", unit, shown, Cividis256, *color_range(shown))
 
 
 def surface_figure(

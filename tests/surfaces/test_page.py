@@ -18,6 +18,7 @@ from surfaces.drawing import suited, told
 from surfaces.page import section, write_page
 from surfaces.page.fields import reduced, reduction, touched
 from surfaces.page.lines import TICKS
+from surfaces.page.roughness import height_layer
 from surfaces.page.words import in_words, preparation_warnings
 from surfaces.statistics import bearing, correlation, density
 
@@ -88,6 +89,32 @@ def test_a_page_finds_each_curve_once(monkeypatch):
         monkeypatch.setattr(module, name, lambda *a, w=whole: calls.append(w.__name__) or w(*a))
     section(rough())
     assert sorted(calls) == ["_correlated", "along_both", "in_memory"]
+
+
+@pytest.mark.filterwarnings("error")
+def test_points_that_are_missing_here_and_there_do_not_empty_a_large_map():
+    present = np.random.default_rng(1).random((1100, 1100)) < 0.9
+    values = np.where(present, np.linspace(-1.0, 1.0, 1100), np.nan)
+    shown = reduced(values)
+    np.testing.assert_allclose(shown, np.tile(reduced(values[:1, :]), (512, 1)), atol=4e-3)
+    values[::2] = np.nan  # every other line
+    assert np.isfinite(reduced(values)).mean() > 0.98
+    values[:600] = np.nan
+    assert np.isnan(reduced(values)[:279]).all()
+
+
+@pytest.mark.filterwarnings("error")
+def test_few_hills_on_a_flat_have_their_colors():
+    heights = np.zeros((48, 64))
+    heights[5, 7], heights[40, 60] = 1e-6, 2e-6
+    layer = height_layer(surfaces.HeightMap(heights, 1e-6))
+    assert layer.high - layer.low == pytest.approx(2.0, rel=1e-3)
+
+
+def test_a_spike_leaves_the_levels_of_the_other_heights():
+    values = np.random.default_rng(1).normal(size=(64, 64))
+    values[3, 4] = 1e5
+    np.testing.assert_allclose(reduced(values), values, atol=2e-3, rtol=1e-6)
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node is installed")
