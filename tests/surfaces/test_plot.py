@@ -8,9 +8,11 @@ import sys
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import surfaces
+from surfaces.errors import InputError
 
 
 def rough(anisotropy: float = 1.0) -> surfaces.HeightMap:
@@ -93,6 +95,21 @@ def test_fans_of_chosen_peaks() -> None:
     assert len(figure.axes) == 4
     assert all(len(axes.lines) == profiles.phi.shape[1] for axes in figure.axes)
     assert "<svg" in drawn(figure)
+    for peak in (len(profiles), -1, 0.5):
+        with pytest.raises(InputError, match="peak"):
+            surfaces.plot_profiles(profiles, [0, peak])
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (64, 96), (96, 64), (256, 256)])
+def test_nothing_beside_a_map_is_cut_off(shape: tuple[int, int]) -> None:
+    size = 1e-6 * shape[0], 1e-6 * shape[1]
+    hm = surfaces.self_affine(shape, size, hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    figure = surfaces.plot_map(hm)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    held = figure.get_tightbbox(canvas.get_renderer())
+    width, height = figure.get_size_inches()
+    assert 0.0 <= held.x0 and held.x1 <= width and 0.0 <= held.y0 and held.y1 <= height
 
 
 def test_autocorrelation() -> None:
