@@ -63,7 +63,8 @@ def parameters(found: Statistics) -> dict[str, str]:
     for row in found.rows():
         if row["value"] is None:
             continue
-        value, (unit, _, power) = float(row["value"]), str(row["unit"]).partition("^")
+        value = float(row["value"]) + 0.0  # zero without a sign
+        unit, _, power = str(row["unit"]).partition("^")
         text = f"{value:.4g} {str(row['unit']).strip('-').replace('^2', '²')}".rstrip()
         if unit == "m":
             text = told(value, unit, int(power or 1), digits=4)

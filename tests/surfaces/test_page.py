@@ -107,8 +107,10 @@ def test_points_that_are_missing_here_and_there_do_not_empty_a_large_map():
 def test_few_hills_on_a_flat_have_their_colors():
     heights = np.zeros((48, 64))
     heights[5, 7], heights[40, 60] = 1e-6, 2e-6
-    layer = height_layer(surfaces.HeightMap(heights, 1e-6))
+    hm = surfaces.HeightMap(heights, 1e-6)
+    layer = height_layer(hm)
     assert layer.high - layer.low == pytest.approx(2.0, rel=1e-3)
+    assert section(hm).parameters["Svc, mean curvature of pits"] == "0 1/m"
 
 
 def test_a_spike_leaves_the_levels_of_the_other_heights():
