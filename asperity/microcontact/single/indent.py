@@ -199,8 +199,8 @@ def _depth(measure: Measure, start: Array, goal: Array, refusal: str) -> Array:
 
 
 def _limit(capped: CappedLaw, name: str, goal: float, start: Array) -> tuple[float, float]:
-    """Approach and force at which a quantity reaches `goal`; zero or infinite where it does not grow
-    with the load, or reaches it where there is no contact to be found."""
+    """Approach and force at which a quantity reaches `goal`; zero or infinite where it does not
+    grow with the load, or reaches it where there is no contact to be found."""
     middle = start[:1]
     values, changes = capped.at(np.append(_TINY * middle, middle))
     none = (np.inf, np.inf) if values[name][0] < goal else (0.0, 0.0)
