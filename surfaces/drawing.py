@@ -6,6 +6,7 @@ from __future__ import annotations
 import base64
 import io
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_heights", "figure_height", "image", "logarithmic", "suited", "thinning", "told"]
+__all__ = [
+    "averaged",
+    "color_range",
+    "draw_heights",
+    "figure_height",
+    "image",
+    "logarithmic",
+    "shown_shape",
+    "suited",
+    "thinning",
+    "told",
+]
 
 PIXELS = 1200
 """Largest side of a picture."""
@@ -30,15 +42,14 @@ def draw_heights(
     axes: Axes, heights: NDArray[np.float64], size: tuple[float, float], **style: Any
 ) -> None:
     """Draw heights [m], (ny, nx), about their mean in true proportions, with a color bar; `size` is
-    (Ly, Lx) [m], and `style` goes to ``imshow``. Missing ones stay white; large maps are thinned.
+    (Ly, Lx) [m], and `style` goes to ``imshow``. Missing ones stay white; large maps are averaged.
     """
     from matplotlib.ticker import EngFormatter
 
-    stride = thinning(heights.shape)
-    about_mean = heights[::stride, ::stride] - np.nanmean(heights[::stride, ::stride])
+    about_mean = heights - np.nanmean(heights)
     scale, unit = suited(float(np.nanmax(np.abs(about_mean))), "m")
-    shown = about_mean / scale
-    low, high = np.nanquantile(shown, (0.002, 0.998))
+    shown = averaged(about_mean, PIXELS) / scale
+    low, high = color_range(shown)
     look: dict[str, Any] = {"cmap": "cividis", "vmin": low, "vmax": high, "aspect": "equal"}
     extent = (0.0, size[1], 0.0, size[0])
     drawn = axes.imshow(shown, origin="lower", extent=extent, **look | style)
@@ -47,6 +58,43 @@ def draw_heights(
     for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(EngFormatter(unit="m"))
         axis.set_label_text(label)
+
+
+def color_range(values: NDArray[Any]) -> tuple[float, float]:
+    """Ends of the colors of a field: they leave out the outermost 0.2 % of the points present on
+    either side, unless nearly all of them are equal."""
+    present = values[np.isfinite(values)]
+    if not present.size:
+        return math.nan, math.nan
+    low, high = np.quantile(present, (0.002, 0.998))
+    if low == high:
+        low, high = present.min(), present.max()
+    return float(low), float(high)
+
+
+def averaged(values: NDArray[Any], most: int) -> NDArray[Any]:
+    """A field with at most `most` points along a side: means of the points present that they cover,
+    NaN where none is."""
+    if max(values.shape) <= most:
+        return values
+    import cv2
+
+    ny, nx = shown_shape(values.shape, most)
+
+    def means(field: NDArray[Any]) -> NDArray[Any]:
+        return np.asarray(cv2.resize(field, (nx, ny), interpolation=cv2.INTER_AREA))
+
+    present = np.isfinite(values)
+    if present.all():
+        return means(values)
+    share = means(present.astype(values.dtype))
+    return means(np.where(present, values, 0)) / np.where(share > 0, share, np.nan)
+
+
+def shown_shape(shape: Sequence[int], most: int) -> tuple[int, int]:
+    """Shape of a field that is shown with at most `most` points along a side."""
+    ny, nx = (max(1, round(n * most / max(shape))) for n in shape)
+    return ny, nx
 
 
 def logarithmic(values: NDArray[np.float64]) -> bool:

@@ -22,6 +22,7 @@ from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 
 from .drawing import figure_height, suited, thinning
+from .errors import InputError, as_count
 from .heightmap import HeightMap, require_map
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
@@ -52,7 +53,7 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
     """
     require_map(hm)
     width = 6.4
-    height = figure_height(width - 1.9, hm.size) + 0.8
+    height = figure_height(width - 2.3, hm.size) + 0.8  # text beside it takes up to 2.3
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = hm.plot(figure.add_subplot())
     if peaks is not None:
@@ -106,7 +107,12 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     profiles
         From `surfaces.fit_profiles`.
     chosen
-        Indices of up to nine peaks.
+        Indices of up to nine peaks, from 0 on.
+
+    Raises
+    ------
+    InputError
+        If there is no such peak.
 
     Examples
     --------
@@ -117,7 +123,9 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     >>> len(figure.axes)
     2
     """
-    indices = list(chosen)[:9]
+    indices = [as_count("a chosen peak", index, 0) for index in chosen][:9]
+    if max(indices, default=-1) >= len(profiles):
+        raise InputError(f"there is no peak {max(indices)} among the {len(profiles)}, from 0 on")
     columns = min(3, len(indices)) or 1
     rows = -(-len(indices) // columns) or 1
     figure = Figure(figsize=(2.9 * columns + 0.6, 2.5 * rows + 0.3), layout="constrained")

@@ -94,11 +94,16 @@ class ComparisonRecord:
     def verdict(self) -> str:
         """What a reader wants to know first, in three sentences."""
         row, ours = self.table[self.map_point], self.pareto[0]
-        text = (
-            f"At a mean pressure of {told(row['mean_pressure'], 'Pa')}, "
-            f"{100 * row['area_bem']:.3g} % of the nominal area touches at a separation of "
-            f"{told(row['separation_bem'], 'm')} (boundary elements). "
-        )
+        text = f"At a mean pressure of {told(row['mean_pressure'], 'Pa')}, "
+        for name, of in (("boundary elements", "bem"), ("microcontact model", "model")):
+            if math.isfinite(row[f"area_{of}"]):
+                text += (
+                    f"{100 * row[f'area_{of}']:.3g} % of the nominal area touches at a separation "
+                    f"of {told(row[f'separation_{of}'], 'm')} ({name}). "
+                )
+                break
+        else:
+            text += "neither boundary elements nor the microcontact model converged. "
         if self.elastic is not None and self.elastic.converged[self.map_point]:
             share = 100 * self.elastic.area_fraction[self.map_point]
             text += (
@@ -111,11 +116,13 @@ class ComparisonRecord:
         where = "Over the whole curve"
         if judged < len(self.table):
             where = f"At {judged} of {len(self.table)} load points, the others not being judged,"
-        text += (
-            f"{where} the microcontact model is off by {100 * ours['load_error']:.2g} % rms in "
-            f"load at equal separation and {100 * ours['area_error']:.2g} % rms in area at equal "
-            f"load, in {ours['seconds']:.2g} s. "
+        what = {"load_error": "load at equal separation", "area_error": "area at equal load"}
+        errors = " and ".join(
+            f"{100 * ours[name]:.2g} % rms in {text}"
+            for name, text in what.items()
+            if math.isfinite(ours[name])
         )
+        text += f"{where} the microcontact model is off by {errors}, in {ours['seconds']:.2g} s. "
         rival = self.rival
         if rival is None:
             return text + "No loose boundary-element run was as accurate."

@@ -281,6 +281,14 @@ class CurveTable:
         across, up = (held[name].astype(float)[order] / axis(name)[1] for name in (x, y))
         look: dict[str, Any] = {"marker": "o", "markersize": 4, "label": self.model} | style
         (line,) = ax.plot(across, up, **look)
+        for at, (low, high), least in (
+            ("x", ax.dataLim.intervalx, ax.dataLim.minposx),
+            ("y", ax.dataLim.intervaly, ax.dataLim.minposy),
+        ):  # of all that the axes hold
+            if logarithmic(np.array([low, least, high])):
+                ax.set(**{f"{at}scale": "log"})
+            elif low < 0.0:
+                ax.set(**{f"{at}scale": "linear"})
         shade: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "linewidth": 0}
         for draw, given, told in ((ax.fill_between, x, y), (ax.fill_betweenx, y, x)):
             if band and (stated := BANDS.get((told, given))) in held:
@@ -288,10 +296,6 @@ class CurveTable:
                 place, value = (across, up) if told == y else (up, across)
                 draw(place, value * np.maximum(1 - off, 0), value * (1 + off), **shade)
         ax.set(xlabel=axis(x)[0], ylabel=axis(y)[0])
-        if logarithmic(across):
-            ax.set_xscale("log")
-        if logarithmic(up):
-            ax.set_yscale("log")
         return ax
 
     def _rising(self) -> NDArray[np.float64]:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 from bokeh.models import (
     BasicTicker,
@@ -19,14 +18,14 @@ from bokeh.models import (
 from bokeh.models.annotations import ColorBar
 from numpy.typing import NDArray
 
-from surfaces.drawing import suited
+from surfaces.drawing import averaged, color_range, shown_shape, suited
 
 from .figures import INK, bare_plot
 
 __all__ = ["SHOWN", "Layer", "map_figure", "reduced", "reduction", "touched"]
 
 LEVELS = 4096
-"""Values between the lowest and the highest of a map, to which those shown are rounded."""
+"""Values between the lowest and the highest color of a map, to which those shown are rounded."""
 
 SHOWN = 512
 """Points along the longer side up to which a map is shown as it is."""
@@ -144,40 +143,26 @@ def map_figure(
 
 
 def reduced(values: NDArray[Any], most: int = SHOWN) -> NDArray[Any]:
-    """A map with at most `most` points along a side, means of what they cover, rounded to a
-    four-thousandth of its range; whole numbers as they are."""
+    """A map with at most `most` points along a side, means of the points present that they
+    cover, rounded to a four-thousandth of its colors; whole numbers as they are."""
     if values.dtype.kind in "biu":
         return values
-    shown = _averaged(values, most)
-    finite = shown[np.isfinite(shown)]
-    span = float(np.ptp(finite)) if finite.size else 0.0
-    if span == 0.0:
+    shown = averaged(np.asarray(values, np.float32), most)
+    low, high = color_range(shown)
+    if not high > low:
         return shown
-    unit = np.float32(2.0 ** np.floor(np.log2(span / LEVELS)))
+    unit = np.float32(2.0 ** np.floor(np.log2((high - low) / LEVELS)))
     return np.asarray(np.round(shown / unit) * unit)
 
 
 def touched(mask: NDArray[np.bool_], most: int = SHOWN) -> NDArray[np.uint8]:
     """A mask with at most `most` points along a side, 1 wherever any point that it covers is."""
-    return (_averaged(mask, most) > 0.0).astype(np.uint8)
+    return (averaged(mask.astype(np.float32), most) > 0.0).astype(np.uint8)
 
 
 def reduction(shape: tuple[int, int], most: int = SHOWN) -> str:
     """How a map is reduced for display, in words; nothing of a small one."""
     if max(shape) <= most:
         return ""
-    ny, nx = _shown_shape(shape, most)
+    ny, nx = shown_shape(shape, most)
     return f"Shown are {ny} × {nx} means of the {shape[0]} × {shape[1]} points."
-
-
-def _averaged(values: NDArray[Any], most: int) -> NDArray[np.float32]:
-    shown = np.asarray(values, np.float32)
-    if max(shown.shape) <= most:
-        return shown
-    ny, nx = _shown_shape(shown.shape, most)
-    return np.asarray(cv2.resize(shown, (nx, ny), interpolation=cv2.INTER_AREA), np.float32)
-
-
-def _shown_shape(shape: Sequence[int], most: int) -> tuple[int, int]:
-    ny, nx = (max(1, round(n * most / max(shape))) for n in shape)
-    return ny, nx

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, HoverTool, LogTicker, PrintfTickFormatter
+from bokeh.models import ColumnDataSource, CustomJSTicker, HoverTool, PrintfTickFormatter
 from numpy.typing import ArrayLike
 
 from surfaces.drawing import logarithmic
@@ -22,6 +22,21 @@ HEIGHT = 360
 
 SIDES: Any = ("right", "left", "below", "above")
 """Where a line tells of its points, in turn: beside those of lines that run along it."""
+
+TICKS = """
+const [low, high] = [cb_data.range.start, cb_data.range.end].sort((a, b) => a - b);
+const decades = Math.log10(high / low), every = Math.ceil(decades / 8);
+if (decades < 0.7) {
+  const step = 10 ** Math.floor(Math.log10((high - low) / 2)), first = Math.ceil(low / step);
+  return Array.from({length: Math.floor(high / step) - first + 1}, (_, i) => (first + i) * step);
+}
+const digits = decades < 3 ? [1, 2, 5] : [1], ticks = [];
+for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++)
+  if (power % every === 0) ticks.push(...digits.map((digit) => Number(`${digit}e${power}`)));
+return ticks.filter((tick) => low <= tick && tick <= high);
+"""
+"""Where a logarithmic axis has numbers; those of Bokeh on less than two decades are equally far
+apart, and leave most of the axis without any."""
 
 LEGEND, KEY = 50, 5
 """Letters that fit beside each other in a legend, also on a phone, and those that a key takes."""
@@ -110,7 +125,7 @@ def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> A
     for axis, kind in ((plot.xaxis, kinds["x"]), (plot.yaxis, kinds["y"])):
         axis.formatter = PrintfTickFormatter(format="%.4g")
         if kind == "log":
-            axis.ticker = LogTicker(mantissas=[1, 2, 5], desired_num_ticks=5)
+            axis.ticker = CustomJSTicker(major_code=TICKS)
     if plot.legend:
         plot.add_layout(plot.legend[0], "above")
         plot.legend.update(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from bokeh.palettes import Cividis256
 
-from surfaces.drawing import suited, told
+from surfaces.drawing import color_range, suited, told
 from surfaces.heightmap import HeightMap
 from surfaces.statistics.bearing import BearingCurve
 from surfaces.statistics.correlation import Autocorrelation
@@ -63,7 +63,8 @@ def parameters(found: Statistics) -> dict[str, str]:
     for row in found.rows():
         if row["value"] is None:
             continue
-        value, (unit, _, power) = float(row["value"]), str(row["unit"]).partition("^")
+        value = float(row["value"]) + 0.0  # zero without a sign
+        unit, _, power = str(row["unit"]).partition("^")
         text = f"{value:.4g} {str(row['unit']).strip('-').replace('^2', '²')}".rstrip()
         if unit == "m":
             text = told(value, unit, int(power or 1), digits=4)
@@ -82,13 +83,11 @@ def parameters(found: Statistics) -> dict[str, str]:
 
 
 def height_layer(hm: HeightMap, most: int = SHOWN) -> Layer:
-    """Heights about their mean; the colors leave out the outermost 0.2 % on either side."""
+    """Heights about their mean, in colors of `color_range`."""
     shown = hm.heights - np.nanmean(hm.heights)
     factor, unit = suited(float(np.nanmax(np.abs(shown))), "m")
-    shown = shown / factor
-    sample = shown[:: max(1, hm.shape[0] // 500), :: max(1, hm.shape[1] // 500)]
-    low, high = np.nanquantile(sample, (0.002, 0.998))
-    return Layer("height", unit, reduced(shown, most), Cividis256, float(low), float(high))
+    shown = reduced(shown / factor, most)
+    return Layer("height", unit, shown, Cividis256, *color_range(shown))
 
 
 def surface_figure(

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
@@ -14,6 +17,8 @@ import surfaces
 from surfaces.drawing import suited, told
 from surfaces.page import section, write_page
 from surfaces.page.fields import reduced, reduction, touched
+from surfaces.page.lines import TICKS
+from surfaces.page.roughness import height_layer
 from surfaces.page.words import in_words, preparation_warnings
 from surfaces.statistics import bearing, correlation, density
 
@@ -84,6 +89,52 @@ def test_a_page_finds_each_curve_once(monkeypatch):
         monkeypatch.setattr(module, name, lambda *a, w=whole: calls.append(w.__name__) or w(*a))
     section(rough())
     assert sorted(calls) == ["_correlated", "along_both", "in_memory"]
+
+
+@pytest.mark.filterwarnings("error")
+def test_points_that_are_missing_here_and_there_do_not_empty_a_large_map():
+    present = np.random.default_rng(1).random((1100, 1100)) < 0.9
+    values = np.where(present, np.linspace(-1.0, 1.0, 1100), np.nan)
+    shown = reduced(values)
+    np.testing.assert_allclose(shown, np.tile(reduced(values[:1, :]), (512, 1)), atol=4e-3)
+    values[::2] = np.nan  # every other line
+    assert np.isfinite(reduced(values)).mean() > 0.98
+    values[:600] = np.nan
+    assert np.isnan(reduced(values)[:279]).all()
+
+
+@pytest.mark.filterwarnings("error")
+def test_few_hills_on_a_flat_have_their_colors():
+    heights = np.zeros((48, 64))
+    heights[5, 7], heights[40, 60] = 1e-6, 2e-6
+    hm = surfaces.HeightMap(heights, 1e-6)
+    layer = height_layer(hm)
+    assert layer.high - layer.low == pytest.approx(2.0, rel=1e-3)
+    assert section(hm).parameters["Svc, mean curvature of pits"] == "0 1/m"
+
+
+def test_a_spike_leaves_the_levels_of_the_other_heights():
+    values = np.random.default_rng(1).normal(size=(64, 64))
+    values[3, 4] = 1e5
+    np.testing.assert_allclose(reduced(values), values, atol=2e-3, rtol=1e-6)
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="no node is installed")
+@pytest.mark.parametrize(
+    "low, high, expected",
+    [
+        (0.24, 14.0, [0.5, 1, 2, 5, 10]),
+        (14.0, 0.24, [0.5, 1, 2, 5, 10]),
+        (0.03, 40.0, [0.1, 1, 10]),
+        (3e-25, 2e-9, [10.0**power for power in range(-24, -8, 2)]),
+        (2.2, 5.1, [3, 4, 5]),
+    ],
+)
+def test_a_logarithmic_axis_has_numbers_all_along(low, high, expected):
+    data = json.dumps({"range": {"start": low, "end": high}})
+    code = f"console.log(JSON.stringify(((cb_data) => {{{TICKS}}})({data})))"
+    told_by = subprocess.run(["node", "-e", code], capture_output=True, text=True, check=True)
+    np.testing.assert_allclose(json.loads(told_by.stdout), expected)
 
 
 def test_a_page_of_a_map_with_gaps_and_a_hostile_name(tmp_path):

@@ -8,9 +8,11 @@ import sys
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import surfaces
+from surfaces.errors import InputError
 
 
 def rough(anisotropy: float = 1.0) -> surfaces.HeightMap:
@@ -51,8 +53,28 @@ def test_map_with_missing_points_and_more_pixels_than_shown(
     heights = rough().heights.copy()
     heights[5:20, 7:30] = np.nan
     figure = surfaces.plot_map(rough().replace(heights=heights))
-    assert figure.axes[0].images[0].get_array().shape == (20, 32)
+    shown = figure.axes[0].images[0].get_array()
+    assert shown.shape == (25, 40) and 0 < np.ma.count_masked(shown) < 15 * 23 / 4
     assert "<svg" in drawn(figure)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_large_map_of_every_other_line_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("surfaces.drawing.PIXELS", 48)
+    heights = rough().heights.copy()
+    heights[::2] = np.nan
+    shown = surfaces.plot_map(rough().replace(heights=heights)).axes[0].images[0].get_array()
+    expected = heights[1::2].reshape(30, 48, 2).mean(axis=2)
+    expected -= np.nanmean(heights)
+    np.testing.assert_allclose(shown, expected / 1e-6)
+
+
+@pytest.mark.filterwarnings("error")
+def test_few_hills_on_a_flat_have_their_colors() -> None:
+    heights = np.zeros((60, 96))
+    heights[5, 7], heights[40, 80] = 1e-6, 2e-6
+    drawn_heights = surfaces.plot_map(surfaces.HeightMap(heights, 1e-6)).axes[0].images[0]
+    assert np.ptp(drawn_heights.get_clim()) == pytest.approx(2.0)
 
 
 def test_spectrum_with_fit() -> None:
@@ -73,6 +95,21 @@ def test_fans_of_chosen_peaks() -> None:
     assert len(figure.axes) == 4
     assert all(len(axes.lines) == profiles.phi.shape[1] for axes in figure.axes)
     assert "<svg" in drawn(figure)
+    for peak in (len(profiles), -1, 0.5):
+        with pytest.raises(InputError, match="peak"):
+            surfaces.plot_profiles(profiles, [0, peak])
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (64, 96), (96, 64), (256, 256)])
+def test_nothing_beside_a_map_is_cut_off(shape: tuple[int, int]) -> None:
+    size = 1e-6 * shape[0], 1e-6 * shape[1]
+    hm = surfaces.self_affine(shape, size, hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    figure = surfaces.plot_map(hm)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    held = figure.get_tightbbox(canvas.get_renderer())
+    width, height = figure.get_size_inches()
+    assert 0.0 <= held.x0 and held.x1 <= width and 0.0 <= held.y0 and held.y1 <= height
 
 
 def test_autocorrelation() -> None:

@@ -108,9 +108,12 @@ def curve_verdict(name: str, curve: ContactCurve) -> str:
             return f"{low:.3g} % to {high:.3g} %" if len(order) > 1 else f"{low:.3g} %"
         return f"{told(low, unit)} to {told(high, unit)}" if len(order) > 1 else told(low, unit)
 
+    loads, places = "mean pressures", "separations"
+    if len(order) == 1:
+        loads, places = "a mean pressure", "a separation"
     text = (
-        f"At mean pressures of {span(curve.mean_pressure, 'Pa')}, "
-        f"{span(curve.area_fraction, '%', 100.0)} of the nominal area touches, at separations of "
+        f"At {loads} of {span(curve.mean_pressure, 'Pa')}, "
+        f"{span(curve.area_fraction, '%', 100.0)} of the nominal area touches, at {places} of "
         f"{span(curve.separation, 'm')} ({name}). "
     )
     worst = np.nanmax(np.append(curve.error_estimate[order], -np.inf))

@@ -137,7 +137,7 @@ def _yielding(
     return replace(
         one,
         first_yield_function=partial(_limit, capped, "yielding", 1.0, first),
-        fully_plastic_function=partial(_limit, capped, "filling", _FULL, first),
+        fully_plastic_function=partial(_full, capped, first),
     )
 
 
@@ -199,19 +199,26 @@ def _depth(measure: Measure, start: Array, goal: Array, refusal: str) -> Array:
 
 
 def _limit(capped: CappedLaw, name: str, goal: float, start: Array) -> tuple[float, float]:
-    """Approach and force at which a quantity reaches `goal`: zero from the start, or infinite."""
+    """Approach and force at which a quantity reaches `goal`; zero or infinite where it does not
+    grow with the load, or reaches it where there is no contact to be found."""
     middle = start[:1]
     values, changes = capped.at(np.append(_TINY * middle, middle))
-    if not values[name][0] < goal:
-        return 0.0, 0.0
+    none = (np.inf, np.inf) if values[name][0] < goal else (0.0, 0.0)
     if not changes[name][0] > _FLAT * values[name][0]:
-        return np.inf, np.inf
+        return none
     try:
         depth = _depth(_values(capped, name), middle, np.array([goal]), name)
     except ModelRangeError:
-        return np.inf, np.inf
+        return none
     found, _ = capped.at(depth)
     return float(found["approach"][0]), float(found["force"][0])
+
+
+def _full(capped: CappedLaw, first: Array) -> tuple[float, float]:
+    """Approach and force of full plasticity; what grows towards it does so below first yield."""
+    yields, _ = _limit(capped, "yielding", 1.0, first)
+    start = np.array([yields]) if 0.0 < yields < np.inf else first
+    return _limit(capped, "filling", _FULL, start)
 
 
 def _require_carried(

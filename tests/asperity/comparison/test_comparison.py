@@ -96,6 +96,21 @@ def test_the_maps_are_of_a_load_that_came_out(tmp_path):
     assert found.map_point == 1 and found.overlap > 0.4
 
 
+@pytest.mark.parametrize(
+    "lost, told",
+    [(("bem",), "touches at a separation of {} (microcontact"), (("bem", "model"), "neither")],
+)
+def test_the_verdict_names_no_answer_that_there_is_not(comparison, lost, told):
+    table, pareto = comparison.table.copy(), comparison.pareto.copy()
+    here = table[comparison.map_point]
+    for name in [f"{part}_{of}" for part in ("area", "separation") for of in lost]:
+        here[name] = np.nan
+    pareto["load_error"][0] = np.nan
+    text = dataclasses.replace(comparison, table=table, pareto=pareto).verdict()
+    assert told.format(f"{1e6 * here['separation_model']:.3g} µm") in text and "nan" not in text
+    assert "off by" in text and "rms in load" not in text
+
+
 @pytest.mark.parametrize("name", ["comparison", "pareto"])
 def test_words_in_a_column_of_numbers_are_refused(comparison, tmp_path, name):
     held = comparison.to_results()

@@ -14,7 +14,7 @@ from pages import BROWSER, Page, browsed
 
 import asperity
 from asperity.comparison.report.build import write_report
-from asperity.comparison.report.sample import Sample, read_sample
+from asperity.comparison.report.sample import Sample, curve_verdict, read_sample
 from asperity.comparison.result import Comparison
 from asperity.errors import InputError
 from asperity.results.storage import ResultFile, write_results
@@ -213,6 +213,12 @@ def test_nothing_converged_is_a_page_as_well(comparison, tmp_path):
     curve = dataclasses.replace(comparison.model, converged=none, reasons=("no",) * 3)
     write_report(tmp_path / "r.html", [Sample("x", {"microcontacts": curve}, {})])
     assert "No load point" in Page(tmp_path / "r.html").shown
+
+
+def test_the_verdict_of_one_load_is_of_one_load(comparison):
+    found = curve_verdict("bem", comparison.reference.select([1]))
+    assert "At a mean pressure of 200 MPa" in found and "at a separation of" in found
+    assert "At mean pressures of 50 MPa to 1 GPa" in curve_verdict("bem", comparison.reference)
 
 
 def test_a_file_without_curves_is_refused(tmp_path):

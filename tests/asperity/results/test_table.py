@@ -107,6 +107,21 @@ def test_csv_gives_back_every_number(judge, tmp_path):
             np.testing.assert_array_equal(back, values, err_msg=name)
 
 
+def test_axes_of_two_curves_suit_both(judge):
+    """A curve over a decade of separations does not hide what another has below zero."""
+    n = len(judge)
+    apart, below = (
+        dataclasses.replace(judge, separation=1e-6 * np.linspace(5.0, least, n), extra={})
+        for least in (0.1, -1.0)
+    )
+    for curves in ((apart, below), (below, apart)):
+        ax = Figure().add_subplot()
+        for curve in curves:
+            curve.plot("separation", "mean_pressure", ax)
+        assert ax.get_xscale() == "linear" and ax.get_yscale() == "log"
+    assert apart.plot("separation", "load", Figure().add_subplot()).get_xscale() == "log"
+
+
 @pytest.mark.parametrize(
     ("x", "y"), [("separation", "mean_pressure"), ("mean_pressure", "separation")]
 )

@@ -82,6 +82,18 @@ def test_fully_plastic():
     assert "saturated" in str(there) and "hardness 0.2" in str(there)
 
 
+@pytest.mark.parametrize("curvature", [1e3, 1e6, 1e9])
+def test_yielding_does_not_depend_on_the_unit_of_length(curvature):
+    """Also of tips that are sharp on a scale of metres."""
+    one, unit = (
+        asperity.indent(PowerLawProfile(2.0, k / 2), HARD, 0.1 / k, law="hertz")
+        for k in (curvature, 1.0)
+    )
+    scale = 1.0 / curvature, 1.0 / curvature**2
+    for name in ("first_yield", "fully_plastic"):
+        np.testing.assert_allclose(getattr(one, name), np.multiply(getattr(unit, name), scale))
+
+
 def test_cones_yield_from_the_first_touch():
     """Their mean pressure is the same at every load."""
     cone = PowerLawProfile(1.0, 1.0)
