@@ -113,6 +113,14 @@ def test_hertz_is_exact_on_ellipses_and_the_others_approach_it_at_their_order(m)
     assert errors["harmonic"][1] / errors["harmonic"][0] == pytest.approx(16, rel=0.15)
 
 
+@pytest.mark.parametrize("powers, factors", [([2, 2], [0.2, 0.3]), ([1, 2, 4], [0.0, 0.5, 0.0])])
+def test_terms_of_one_power_add_up_and_those_without_factor_count_for_nothing(powers, factors):
+    material = HalfSpace.from_modulus(1.0)
+    for law in ("hertz", "harmonic"):
+        one = indent(PowerSumProfile(powers, factors), material, 0.01, law=law)
+        assert one.force == pytest.approx(4 / 3 * 0.01**1.5, rel=1e-9)
+
+
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
 @pytest.mark.parametrize("law", ["hertz", "paper", "harmonic"])
 @pytest.mark.parametrize("kind", ["closed", "table"])

@@ -76,13 +76,15 @@ def _summit(profile: PowerSumProfile | PolarProfile, m: float) -> tuple[float, f
     """Principal curvatures [1/m] at the summit, largest first, and the long axis [rad]."""
     basis = basis_of(profile, m)
     if isinstance(basis, PowerBasis):
-        lowest = int(np.argmin(basis.powers))
-        if basis.powers[lowest] != 2:
+        present = (basis.means != 0) | np.any(basis.harmonics != 0, axis=1)
+        lowest = np.min(basis.powers[present], initial=np.inf)
+        if np.any(present) and lowest != 2:
             raise ModelRangeError(
-                f"the summit grows as r^{basis.powers[lowest]:g}, not as r^2: it has no curvature "
-                "for the law 'hertz'; use 'harmonic'"
+                f"the summit grows as r^{lowest:g}, not as r^2: it has no curvature for the law "
+                "'hertz'; use 'harmonic'"
             )
-        mean, wave = basis.means[lowest], basis.harmonics[lowest, 1]
+        first = present & (basis.powers == 2)
+        mean, wave = basis.means[first].sum(), basis.harmonics[first, 1].sum()
     else:
         mean, wave = basis.summit()
     high, low = 2 * (mean + abs(wave)), 2 * (mean - abs(wave))

@@ -12,6 +12,7 @@ from scipy.ndimage import minimum_filter
 
 from asperity.errors import INVALID, Flag, InputError
 from asperity.halfspace.material import HalfSpace
+from surfaces.errors import as_numbers
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["Indentation", "contour_flags", "profile_flags"]
@@ -51,7 +52,8 @@ class Indentation:
     flags
         Bits of `asperity.microcontact.Flag`.
     error_estimate
-        Relative error of the force expected from the difference of neighboring laws.
+        Relative error of the force expected from the difference of neighboring laws; NaN where it
+        is not known.
     saturated
         Estimate of the share of the area at the hardness; zero without one.
 
@@ -121,7 +123,7 @@ class Indentation:
 
     def contour(self, phi: ArrayLike) -> Array:
         """Boundary a(phi) [m] of the contact, shape `(*approach.shape, *phi.shape)`."""
-        angle = np.asarray(phi, dtype=float)
+        angle = as_numbers("phi", phi)
         values = self.contour_function(angle.ravel())
         return values.reshape(self.approach.shape + angle.shape)
 
@@ -142,7 +144,7 @@ class Indentation:
         InputError
             If the law has no history integral.
         """
-        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        x, y = np.broadcast_arrays(as_numbers("x", x), as_numbers("y", y))
         law = self.history_function if history else self.pressure_function
         if law is None:
             raise InputError(f"the law {self.law!r} has no history integral of the pressure")
