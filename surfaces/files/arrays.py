@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import contextlib
 import math
 import re
 import zipfile
@@ -120,7 +121,7 @@ def read_text(
         raise FileFormatError(f"{path}: damaged text ({error})") from error
     if "spacing" in stated:
         try:
-            stated["spacing"] = [float(word) for word in re.split(r"[,\s]+", stated["spacing"])]
+            stated["spacing"] = [_number(word) for word in re.split(r"[,\s]+", stated["spacing"])]
         except ValueError:
             raise FileFormatError(f"{path}: spacing = {stated['spacing']} is not DY DX") from None
     heights = np.vstack(rows)
@@ -190,7 +191,12 @@ def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:
         for number, line, cells in _lines(file):
             if cells is None:
                 if match := _STATED.match(line):
-                    stated[match[1].lower()] = match[2]
+                    key, word = match[1].lower(), match[2]
+                    if stated.setdefault(key, word) != word:
+                        raise FileFormatError(
+                            f"{path}: line {number} states {key} = {shown(word)} and one above "
+                            f"{shown(stated[key])}; leave one"
+                        )
                 continue
             # an empty last cell is a missing point, or none if every row ends in a separator
             fits = {len(cells), len(cells) - (cells[-1] == "")}
@@ -297,9 +303,16 @@ def _separator(line: str) -> str:
     return next((mark for mark in ";\t," if mark in line.strip()), " ")
 
 
+def _number(cell: str) -> float:
+    """The number of a cell; 1_0 and digits of other scripts are numbers in Python alone."""
+    if "_" in cell or not cell.isascii():
+        raise ValueError
+    return float(cell)
+
+
 def _is_number(cell: str) -> bool:
     try:
-        float(cell)
+        _number(cell)
     except ValueError:
         return cell.lower() in _MISSING
     return True
@@ -310,10 +323,10 @@ def _no_number(line: int, cell: str) -> str:
 
 
 def _numbers(cells: list[str], path: Path, line: int) -> NDArray[np.float64]:
-    try:
-        return np.array(cells, dtype=np.float64)
-    except ValueError:
-        pass
+    line_of_cells = "".join(cells)
+    if "_" not in line_of_cells and line_of_cells.isascii():
+        with contextlib.suppress(ValueError):
+            return np.array(cells, dtype=np.float64)
     bad = next((cell for cell in cells if not _is_number(cell)), None)
     if bad is not None:
         raise FileFormatError(f"{path}: {_no_number(line, bad)}")

@@ -160,11 +160,16 @@ def test_a_heading_that_nothing_reads_is_named(
         ("# only a comment\n\n", "no rows of numbers"),
         ("1 2\n3 4\n", "at least 3 points"),
         ("inf 2 3\n4 5 6\n7 8 9\n", "infinite"),
+        ("1 2 3\n4 1_0 6\n7 8 9\n", "line 2 holds '1_0', which is no number"),
+        ("1 2 3\n4 \u0662 6\n7 8 9\n", "line 2 holds '\u0662', which is no number"),
+        ("# spacing = 1_0 1\n1 2 3\n4 5 6\n7 8 9\n", "spacing = 1_0 1 is not DY DX"),
+        ("# unit = um\n1 2 3\n4 5 6\n7 8 9\n# unit = nm\n", "line 5 states unit = 'nm' and one"),
+        ("# spacing = 1 2\n# Spacing: 2 2\n1 2 3\n4 5 6\n7 8 9\n", "line 2 states spacing"),
     ],
 )
 def test_bad_text(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "a.txt"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=message) as caught:
         surfaces.read(path, unit="um", spacing=1e-6)
     assert str(caught.value).count(str(path)) == 1
