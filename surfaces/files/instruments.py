@@ -60,6 +60,13 @@ def read_x3p(
     if not isinstance(layer, x3pio.SurfaceLayer) or not layer.is_regular_grid:
         kind = "a profile, points or uneven axes"
         raise FileFormatError(f"{path}: holds {kind}; a height map needs an even grid")
+    turn = layer.placement.rotation
+    # a slight tilt is left to the levelling, and a turn in the plane changes no contact
+    if np.linalg.det(turn) < 0.5 or turn[2, 2] <= 0.0:
+        raise FileFormatError(
+            f"{path}: its rotation {turn.round(3).tolist()} mirrors the heights or turns them "
+            "over, so that it is open what points out of the solid; export it without a rotation"
+        )
     return _stated(path, unit, spacing, layer.z, layer.spacing[::-1], "X3P")
 
 
