@@ -187,9 +187,8 @@ class HeightMap:
         if np.mean(near) <= 1e-3:
             return hm
         level = float(np.median(lines[:, 1:][near]))
-        return hm.replace(
-            heights=each_block(hm.source, lambda z: level + unit * np.round((z - level) / unit))
-        )
+        rounded = each_block(hm.source, lambda z: level + unit * np.round((z - level) / unit))
+        return hm.replace(heights=rounded)
 
     @functools.cached_property
     def repeats(self) -> bool:

@@ -23,7 +23,7 @@ from surfaces.errors import FileFormatError
 from ._damage import naming_damage
 from ._schema import read_header
 
-__all__ = ["HEIGHTS", "find", "opened", "require_sound"]
+__all__ = ["HEIGHTS", "find", "opened", "require_sound", "survives"]
 
 
 HEIGHTS = "heights"
@@ -66,7 +66,7 @@ def require_sound(path: Path, dataset: str | None) -> None:
         with opened(path) as file, naming_damage(path, "damaged HDF5"):
             read_header(find(file, path, dataset))
 
-    if path.is_file() and not _is_sound(path) and not _survives(attempt):
+    if path.is_file() and not _is_sound(path) and not survives(attempt, CPU_SECONDS):
         raise FileFormatError(
             f"{path}: damaged HDF5, its metadata hang or crash the HDF5 library; "
             "copy the file again from its source"
@@ -132,8 +132,8 @@ def _heap_is_sound(content: bytes, start: int) -> bool:
     return bool(place <= end <= len(content))
 
 
-def _survives(attempt: Callable[[], object]) -> bool:
-    """Whether `attempt` comes to an end, by return or exception, within `CPU_SECONDS`.
+def survives(attempt: Callable[[], object], seconds: int) -> bool:
+    """Whether `attempt` comes to an end, by return or exception, within so many `seconds`.
 
     The limit is on processor time: an endless loop spends it, a slow disk does not. Where
     processes cannot be forked the answer is always True. The child owns the lock of h5py, which
@@ -147,7 +147,7 @@ def _survives(attempt: Callable[[], object]) -> bool:
         child = os.fork()
         if child == 0:
             try:
-                resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS))
+                resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
                 attempt()
             finally:
                 os._exit(0)

@@ -7,7 +7,7 @@ import contextlib
 import math
 import re
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any
 
@@ -28,6 +28,7 @@ __all__ = [
     "as_map",
     "chosen_spacing",
     "heading",
+    "named_map",
     "read_npy",
     "read_npz",
     "read_text",
@@ -67,24 +68,33 @@ def read_npz(
                 with archive.open(name) as member:
                     _check_npy_header(member, archive.getinfo(name).file_size, name)
         with np.load(path, allow_pickle=False) as arrays:
-            stated: dict[str, Any] = {
-                key: stated_value(arrays[key])
-                for key in ("unit", "spacing", "periodic", "name")
-                if key in names
-            }
-            planes = [name for name in names if name not in stated]
-            alone = planes[0] if len(planes) == 1 else "heights"
-            wanted = dataset or ("heights" if "heights" in names else alone)
-            if wanted not in names:
-                raise FileFormatError(
-                    f"{path}: no array {dataset or 'heights'!r}; the file holds "
-                    f"{', '.join(names) or 'none'}; name the heights with --dataset (dataset=...)"
-                )
-            return as_map(arrays[wanted], path, unit, spacing, stated)
+            return named_map(names, arrays, path, dataset, unit, spacing)
     except InputError:
         raise
     except DAMAGED as error:
         raise FileFormatError(f"{path}: damaged or not a plain npz file ({error})") from error
+
+
+def named_map(
+    names: list[str],
+    arrays: Mapping[str, NDArray[Any]],
+    path: Path,
+    dataset: str | None,
+    unit: str | None,
+    spacing: ArrayLike | None,
+) -> HeightMap:
+    """The map in one of some arrays with names, of which some may state its facts."""
+    facts = {"unit", "spacing", "periodic", "name"} & {*names}
+    planes = [name for name in names if name not in facts]
+    alone = planes[0] if len(planes) == 1 else "heights"
+    wanted = dataset or ("heights" if "heights" in names else alone)
+    if wanted not in names:
+        raise FileFormatError(
+            f"{path}: no array {dataset or 'heights'!r}; the file holds "
+            f"{', '.join(names) or 'none'}; name the heights with --dataset (dataset=...)"
+        )
+    stated = {key: stated_value(arrays[key]) for key in facts}
+    return as_map(np.asarray(arrays[wanted]), path, unit, spacing, stated)
 
 
 def heading(path: Path) -> str | None:

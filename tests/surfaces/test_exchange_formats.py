@@ -118,14 +118,26 @@ def test_a_spacing_that_contradicts_the_file_is_refused(tmp_path: Path, name: st
         surfaces.read(path, spacing=2e-6)
 
 
-def test_a_spacing_that_contradicts_an_instrument_file_is_refused(tmp_path, monkeypatch) -> None:
-    channel = SimpleNamespace(unit="um", physical_sizes=(51.0, 24.0), nb_grid_pts=(17, 12))
-    reader = contextlib.nullcontext(SimpleNamespace(default_channel=channel))
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        ([(17, 12)], r"states spacing \(2e-06, 3e-06\) m; leave out"),
+        ([(17,)], "holds a line of heights; a height map needs two axes"),
+        ([], "holds no heights in a unit of length"),
+    ],
+)
+def test_instrument_files_of_no_such_map(tmp_path: Path, monkeypatch, points, message) -> None:
+    channels = [
+        SimpleNamespace(unit="um", physical_sizes=(51.0, 24.0), nb_grid_pts=n, name="a")
+        for n in points
+    ]
+    content = SimpleNamespace(default_channel=next(iter(channels), None), channels=channels)
+    reader = contextlib.nullcontext(content)
     errors = SimpleNamespace(CannotDetectFileFormat=KeyError, ReadFileError=KeyError)
     library = SimpleNamespace(open_topography=lambda _: reader, Exceptions=errors)
     monkeypatch.setitem(sys.modules, "SurfaceTopography", library)
     (tmp_path / "a.sur").write_bytes(b"DIGITAL SURF")
-    with pytest.raises(FileFormatError, match=r"states spacing \(2e-06, 3e-06\) m; leave out"):
+    with pytest.raises(FileFormatError, match=message):
         surfaces.read(tmp_path / "a.sur", spacing=2e-6)
 
 
