@@ -20,7 +20,7 @@ from h5py import _objects
 
 from surfaces.errors import FileFormatError
 
-from ._damage import naming_damage
+from ._damage import DAMAGED, brief, naming_damage
 from ._schema import read_header
 
 __all__ = ["HEIGHTS", "find", "opened", "require_sound", "survives"]
@@ -76,12 +76,21 @@ def require_sound(path: Path, dataset: str | None) -> None:
 def find(file: h5py.File, path: Path, name: str | None) -> h5py.Dataset:
     """The dataset of that name, ``/heights`` if None."""
     wanted = HEIGHTS if name is None else name
-    if wanted not in file or not isinstance(file[wanted], h5py.Dataset):
+    link = file.get(wanted, getlink=True)
+    try:
+        found = file[wanted] if wanted in file else None
+    except DAMAGED as error:
+        if not isinstance(link, h5py.SoftLink | h5py.ExternalLink):
+            raise
+        raise FileFormatError(
+            f"{path}: dataset {wanted!r} is a link to {link.path!r} that leads nowhere "
+            f"({brief(error)}); name the heights with --dataset (dataset=...)"
+        ) from error
+    if not isinstance(found, h5py.Dataset):
         raise FileFormatError(
             f"{path}: no dataset {wanted!r}; the file holds {_list_arrays(file)}; "
             "name the heights with --dataset (dataset=...)"
         )
-    found = file[wanted]
     if Path(found.file.filename) != Path(file.filename):
         raise FileFormatError(f"{path}: dataset {wanted!r} is a link into another file; open that")
     return found

@@ -290,6 +290,16 @@ def test_not_a_file(tmp_path: Path) -> None:
         surfaces.read(tmp_path / "text.h5")
 
 
+@pytest.mark.parametrize(
+    "link", [h5py.SoftLink("/heights"), h5py.SoftLink("/none"), h5py.ExternalLink("none.h5", "/z")]
+)
+def test_links_that_lead_nowhere_are_no_damage(tmp_path: Path, link: object) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["heights"] = link
+    with pytest.raises(FileFormatError, match=r"is a link to .* leads nowhere .*--dataset"):
+        surfaces.read(tmp_path / "a.h5")
+
+
 def test_links_into_other_files_are_not_followed(stored: Path, tmp_path: Path) -> None:
     path = tmp_path / "linked.h5"
     with h5py.File(path, "w") as file:
