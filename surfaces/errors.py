@@ -27,7 +27,9 @@ __all__ = [
     "as_path",
     "as_positive",
     "as_text",
+    "as_truth",
     "checked_heights",
+    "checked_history",
     "checked_part",
     "checked_range",
     "checked_spacing",
@@ -109,6 +111,13 @@ def as_count(name: str, value: Any, least: int) -> int:
     return int(number)
 
 
+def as_truth(name: str, value: Any) -> bool:
+    """The argument called `name` as True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise SurfaceError(f"{name} is {shown(value)}; it must be True or False")
+    return bool(value)
+
+
 def shown(value: Any) -> str:
     """What was given, by a caller or a file, on one line of a message and short."""
     text = " ".join(repr(value).split())
@@ -170,6 +179,16 @@ def checked_range(low: float, high: float, heights: Any) -> None:
             f"heights reach from {low:.4g} to {high:.4g} m, which no calculation can hold; "
             "check their unit"
         )
+
+
+def checked_history(history: Any) -> tuple[dict[str, Any], ...]:
+    """What was done to a map, a mapping for each step."""
+    try:
+        return tuple(dict(step) for step in history)
+    except (TypeError, ValueError):
+        raise SurfaceError(
+            f"history is {shown(history)}; it is a sequence of mappings, one per step"
+        ) from None
 
 
 def checked_spacing(spacing: Any) -> tuple[float, float]:

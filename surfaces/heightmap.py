@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.drawing import draw_heights, figure_height, image
-from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing, checked_span
+from surfaces.errors import (
+    SurfaceError,
+    as_number,
+    as_truth,
+    checked_heights,
+    checked_history,
+    checked_spacing,
+    checked_span,
+)
 from surfaces.numerics.stored_array import Source, array_of, each_block, mapped, windows
 
 if TYPE_CHECKING:
@@ -82,16 +90,9 @@ class HeightMap:
     def __post_init__(self) -> None:
         object.__setattr__(self, "heights", checked_heights(self.heights))
         object.__setattr__(self, "spacing", checked_spacing(self.spacing))
-        if not isinstance(self.periodic, bool | np.bool_):
-            raise SurfaceError(f"periodic is {self.periodic!r}; it must be True or False")
+        object.__setattr__(self, "periodic", as_truth("periodic", self.periodic))
         object.__setattr__(self, "name", str(self.name).encode(errors="replace").decode())
-        try:
-            steps = tuple(dict(step) for step in self.history)
-        except (TypeError, ValueError):
-            raise SurfaceError(
-                f"history is {self.history!r}; it is a sequence of mappings, one per step"
-            ) from None
-        object.__setattr__(self, "history", steps)
+        object.__setattr__(self, "history", checked_history(self.history))
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -186,9 +187,8 @@ class HeightMap:
         if np.mean(near) <= 1e-3:
             return hm
         level = float(np.median(lines[:, 1:][near]))
-        return hm.replace(
-            heights=each_block(hm.source, lambda z: level + unit * np.round((z - level) / unit))
-        )
+        rounded = each_block(hm.source, lambda z: level + unit * np.round((z - level) / unit))
+        return hm.replace(heights=rounded)
 
     @functools.cached_property
     def repeats(self) -> bool:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import InputError
+from surfaces.errors import InputError, as_numbers
 from surfaces.heightmap import HeightMap
 
-__all__ = ["Profile", "axes", "map_of", "sampled", "section_box"]
+__all__ = ["Profile", "axes", "gap", "map_of", "sampled", "section_box"]
 
 Profile = Callable[[Any, Any], Any]
 """Gap f(r, phi) [m] between a body and the tangent plane at its summit."""
@@ -51,6 +51,24 @@ def sampled(
     return np.asarray(map_coordinates(values, place.reshape(2, -1), order=1)).reshape(px.shape)
 
 
+def gap(profile: Profile, r: NDArray[np.float64], phi: Any) -> NDArray[np.float64]:
+    """Gap [m] of a profile at places (r, phi) [m, rad].
+
+    Raises
+    ------
+    InputError
+        If it is no real number at one of them.
+    """
+    what = "the gap f(r, phi) of the profile"
+    found = as_numbers(what, profile(r, phi), finite=False)
+    if found.shape != r.shape:
+        raise InputError(f"{what} has shape {found.shape} at places of shape {r.shape}")
+    if np.isnan(found).any():
+        radius, angle = (np.broadcast_to(at, r.shape)[np.isnan(found)][0] for at in (r, phi))
+        raise InputError(f"{what} is NaN at ({radius:.4g} m, {angle:.4g}); give one at every place")
+    return found
+
+
 def section_box(profile: Profile, approach: float) -> tuple[float, float, float, float]:
     """Edges (x0, x1, y0, y1) [m] of a box around the section {f < d}, which holds the contact.
 
@@ -63,7 +81,7 @@ def section_box(profile: Profile, approach: float) -> tuple[float, float, float,
     radius = getattr(profile, "radius", np.inf)
     low, high = np.zeros(_RAYS), np.full(_RAYS, 1e-30 if not np.isfinite(radius) else radius)
     for _ in range(400):
-        short = np.asarray(profile(high, phi)) < approach
+        short = gap(profile, high, phi) < approach
         if not short.any():
             break
         high = np.where(short, 2.0 * high, high)
@@ -78,7 +96,7 @@ def section_box(profile: Profile, approach: float) -> tuple[float, float, float,
         )
     for _ in range(60):
         middle = 0.5 * (low + high)
-        short = np.asarray(profile(middle, phi)) < approach
+        short = gap(profile, middle, phi) < approach
         low, high = np.where(short, middle, low), np.where(short, high, middle)
     x, y = high * np.cos(phi), high * np.sin(phi)
     return float(x.min()), float(x.max()), float(y.min()), float(y.max())
@@ -95,6 +113,6 @@ def map_of(
     x0, x1, y0, y1 = box
     spacing, summit = ((y1 - y0) / grid, (x1 - x0) / grid), (-x0, -y0)
     px, py = np.meshgrid(*axes((grid, grid), spacing, summit))
-    gap = np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
-    heights = -np.minimum(gap, _DEEPEST * approach)
+    below = gap(profile, np.hypot(px, py), np.arctan2(py, px))
+    heights = -np.minimum(below, _DEEPEST * approach)
     return HeightMap(heights, spacing, name="profile"), summit

@@ -16,7 +16,7 @@ from surfaces.errors import as_count, as_numbers
 
 from .certificate import Certificate
 from .memory import require_memory
-from .profile_map import Profile, axes, map_of, sampled, section_box
+from .profile_map import Profile, axes, gap, map_of, sampled, section_box
 from .solution import BemSolution
 from .solve import bem_solve
 
@@ -283,7 +283,7 @@ def _coarse_solution_at_load(
     radius = getattr(profile, "radius", np.inf)
     phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
     start = radius / 8 if np.isfinite(radius) else 1.0
-    depth = float(np.mean(profile(start, phi)))
+    depth = float(np.mean(gap(profile, np.full(_RAYS, start), phi)))
     power, last = 1.5, None
     for _ in range(_MAX_APPROACHES):
         coarse, summit = _coarse_solution(profile, material, depth)

@@ -20,10 +20,10 @@ from h5py import _objects
 
 from surfaces.errors import FileFormatError
 
-from ._damage import naming_damage
+from ._damage import DAMAGED, brief, naming_damage
 from ._schema import read_header
 
-__all__ = ["HEIGHTS", "find", "opened", "require_sound"]
+__all__ = ["HEIGHTS", "find", "opened", "require_sound", "survives"]
 
 
 HEIGHTS = "heights"
@@ -66,7 +66,7 @@ def require_sound(path: Path, dataset: str | None) -> None:
         with opened(path) as file, naming_damage(path, "damaged HDF5"):
             read_header(find(file, path, dataset))
 
-    if path.is_file() and not _is_sound(path) and not _survives(attempt):
+    if path.is_file() and not _is_sound(path) and not survives(attempt, CPU_SECONDS):
         raise FileFormatError(
             f"{path}: damaged HDF5, its metadata hang or crash the HDF5 library; "
             "copy the file again from its source"
@@ -76,12 +76,21 @@ def require_sound(path: Path, dataset: str | None) -> None:
 def find(file: h5py.File, path: Path, name: str | None) -> h5py.Dataset:
     """The dataset of that name, ``/heights`` if None."""
     wanted = HEIGHTS if name is None else name
-    if wanted not in file or not isinstance(file[wanted], h5py.Dataset):
+    link = file.get(wanted, getlink=True)
+    try:
+        found = file[wanted] if wanted in file else None
+    except DAMAGED as error:
+        if not isinstance(link, h5py.SoftLink | h5py.ExternalLink):
+            raise
+        raise FileFormatError(
+            f"{path}: dataset {wanted!r} is a link to {link.path!r} that leads nowhere "
+            f"({brief(error)}); name the heights with --dataset (dataset=...)"
+        ) from error
+    if not isinstance(found, h5py.Dataset):
         raise FileFormatError(
             f"{path}: no dataset {wanted!r}; the file holds {_list_arrays(file)}; "
             "name the heights with --dataset (dataset=...)"
         )
-    found = file[wanted]
     if Path(found.file.filename) != Path(file.filename):
         raise FileFormatError(f"{path}: dataset {wanted!r} is a link into another file; open that")
     return found
@@ -132,8 +141,8 @@ def _heap_is_sound(content: bytes, start: int) -> bool:
     return bool(place <= end <= len(content))
 
 
-def _survives(attempt: Callable[[], object]) -> bool:
-    """Whether `attempt` comes to an end, by return or exception, within `CPU_SECONDS`.
+def survives(attempt: Callable[[], object], seconds: int) -> bool:
+    """Whether `attempt` comes to an end, by return or exception, within so many `seconds`.
 
     The limit is on processor time: an endless loop spends it, a slow disk does not. Where
     processes cannot be forked the answer is always True. The child owns the lock of h5py, which
@@ -147,7 +156,7 @@ def _survives(attempt: Callable[[], object]) -> bool:
         child = os.fork()
         if child == 0:
             try:
-                resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS))
+                resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
                 attempt()
             finally:
                 os._exit(0)

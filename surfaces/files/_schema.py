@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from ._damage import DAMAGED, brief
 
 __all__ = [
     "SCHEMA",
+    "Chunks",
     "Fault",
     "Header",
     "array_faults",
@@ -77,6 +78,18 @@ class Packing:
 
 
 @dataclass(frozen=True)
+class Chunks:
+    """The chunks of a dataset of which some are not stored: their points are read as `fill`."""
+
+    shape: tuple[int, int]
+    corners: Sequence[tuple[int, int]]
+    """First row and column of each that is stored."""
+
+    total: int
+    fill: float
+
+
+@dataclass(frozen=True)
 class Header:
     """What a dataset says about its heights, checked; lengths in metres."""
 
@@ -88,6 +101,7 @@ class Header:
     history: tuple[Mapping[str, Any], ...]
     notes: Mapping[str, Any]
     packing: Packing
+    chunks: Chunks | None = None
 
 
 def read_header(
@@ -100,22 +114,26 @@ def read_header(
 
     The unit of the heights and the spacing (dy, dx) [m] are needed where the file states none.
     """
-    faults = list(array_faults(dataset))
+    faults, chunks = list(array_faults(dataset)), None
     if not any(fault.fatal for fault in faults):
         faults += _storage_faults(dataset, f"dataset {dataset.name}")
+    if not any(fault.fatal for fault in faults):
+        chunks = _chunks(dataset)
     attributes = _attributes(dataset, f"dataset {dataset.name}", faults)
-    return header_of(dataset, attributes, faults, unit=unit, spacing=spacing)
+    return header_of(dataset, attributes, faults, chunks, unit=unit, spacing=spacing)
 
 
 def header_of(
     dataset: Any,
     attributes: dict[str, Any],
     faults: list[Fault],
+    chunks: Chunks | None,
     *,
     unit: str | None,
     spacing: tuple[float, float] | None,
 ) -> tuple[Header | None, list[Fault]]:
-    """As `read_header`, of the attributes of an array whose other faults are known."""
+    """As `read_header`, of the attributes of an array whose other faults are known, and its chunks
+    if some are not stored."""
 
     def tell(text: str, fatal: bool = True) -> None:
         faults.append(Fault(f"dataset {dataset.name}{text}", fatal))
@@ -132,11 +150,18 @@ def header_of(
         tell(f" has schema {shown(schema)}; this version reads {SCHEMA!r}")
     history = _history(attributes.pop("history", None), tell)
     packing = _packing(attributes, tell)
+    if chunks and not (math.isnan(chunks.fill) or chunks.fill in packing.blanks):
+        tell(
+            f" holds {len(chunks.corners)} of its {chunks.total} chunks; write the others, even if "
+            f"all in them is {chunks.fill:g} (Zarr: write_empty_chunks), or name that _FillValue "
+            "if it means a missing point"
+        )
     if any(fault.fatal for fault in faults):
         return None, faults
     shape = (int(dataset.shape[0]), int(dataset.shape[1]))
     name = str(attributes.pop("name", ""))
-    return Header(shape, pixel, stated, periodic, name, history, attributes, packing), faults
+    facts = shape, pixel, stated, periodic, name, history, attributes, packing, chunks
+    return Header(*facts), faults
 
 
 def array_faults(dataset: Any) -> Iterator[Fault]:
@@ -178,10 +203,18 @@ def _storage_faults(dataset: h5py.Dataset, where: str) -> Iterator[Fault]:
     if math.prod(dataset.chunks) * dataset.dtype.itemsize > _MAX_CHUNK:
         yield Fault(f"{where} has chunks of {dataset.chunks} points; rechunk it to under 1 GiB")
         return
-    expected = math.prod(-(-n // c) for n, c in zip(dataset.shape, dataset.chunks, strict=True))
-    present = dataset.id.get_num_chunks()
-    if present != expected and not np.isnan(np.float64(dataset.fillvalue)):
-        yield Fault(f"{where} holds {present} of its {expected} chunks; the rest was never written")
+
+
+def _chunks(dataset: h5py.Dataset) -> Chunks | None:
+    """The chunks of a sound dataset if some are not stored."""
+    if dataset.chunks is None:
+        return None
+    total = math.prod(-(-n // c) for n, c in zip(dataset.shape, dataset.chunks, strict=True))
+    if dataset.id.get_num_chunks() == total:
+        return None
+    corners: list[tuple[int, int]] = []
+    dataset.id.chunk_iter(lambda chunk: corners.append(chunk.chunk_offset))
+    return Chunks(dataset.chunks, corners, total, float(dataset.fillvalue))
 
 
 def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[str, Any]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import codecs
+import contextlib
 import math
 import re
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any
 
@@ -27,6 +28,7 @@ __all__ = [
     "as_map",
     "chosen_spacing",
     "heading",
+    "named_map",
     "read_npy",
     "read_npz",
     "read_text",
@@ -66,24 +68,33 @@ def read_npz(
                 with archive.open(name) as member:
                     _check_npy_header(member, archive.getinfo(name).file_size, name)
         with np.load(path, allow_pickle=False) as arrays:
-            stated: dict[str, Any] = {
-                key: stated_value(arrays[key])
-                for key in ("unit", "spacing", "periodic", "name")
-                if key in names
-            }
-            planes = [name for name in names if name not in stated]
-            alone = planes[0] if len(planes) == 1 else "heights"
-            wanted = dataset or ("heights" if "heights" in names else alone)
-            if wanted not in names:
-                raise FileFormatError(
-                    f"{path}: no array {dataset or 'heights'!r}; the file holds "
-                    f"{', '.join(names) or 'none'}; name the heights with --dataset (dataset=...)"
-                )
-            return as_map(arrays[wanted], path, unit, spacing, stated)
+            return named_map(names, arrays, path, dataset, unit, spacing)
     except InputError:
         raise
     except DAMAGED as error:
         raise FileFormatError(f"{path}: damaged or not a plain npz file ({error})") from error
+
+
+def named_map(
+    names: list[str],
+    arrays: Mapping[str, NDArray[Any]],
+    path: Path,
+    dataset: str | None,
+    unit: str | None,
+    spacing: ArrayLike | None,
+) -> HeightMap:
+    """The map in one of some arrays with names, of which some may state its facts."""
+    facts = {"unit", "spacing", "periodic", "name"} & {*names}
+    planes = [name for name in names if name not in facts]
+    alone = planes[0] if len(planes) == 1 else "heights"
+    wanted = dataset or ("heights" if "heights" in names else alone)
+    if wanted not in names:
+        raise FileFormatError(
+            f"{path}: no array {dataset or 'heights'!r}; the file holds "
+            f"{', '.join(names) or 'none'}; name the heights with --dataset (dataset=...)"
+        )
+    stated = {key: stated_value(arrays[key]) for key in facts}
+    return as_map(np.asarray(arrays[wanted]), path, unit, spacing, stated)
 
 
 def heading(path: Path) -> str | None:
@@ -120,7 +131,7 @@ def read_text(
         raise FileFormatError(f"{path}: damaged text ({error})") from error
     if "spacing" in stated:
         try:
-            stated["spacing"] = [float(word) for word in re.split(r"[,\s]+", stated["spacing"])]
+            stated["spacing"] = [_number(word) for word in re.split(r"[,\s]+", stated["spacing"])]
         except ValueError:
             raise FileFormatError(f"{path}: spacing = {stated['spacing']} is not DY DX") from None
     heights = np.vstack(rows)
@@ -190,7 +201,12 @@ def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:
         for number, line, cells in _lines(file):
             if cells is None:
                 if match := _STATED.match(line):
-                    stated[match[1].lower()] = match[2]
+                    key, word = match[1].lower(), match[2]
+                    if stated.setdefault(key, word) != word:
+                        raise FileFormatError(
+                            f"{path}: line {number} states {key} = {shown(word)} and one above "
+                            f"{shown(stated[key])}; leave one"
+                        )
                 continue
             # an empty last cell is a missing point, or none if every row ends in a separator
             fits = {len(cells), len(cells) - (cells[-1] == "")}
@@ -297,9 +313,16 @@ def _separator(line: str) -> str:
     return next((mark for mark in ";\t," if mark in line.strip()), " ")
 
 
+def _number(cell: str) -> float:
+    """The number of a cell; 1_0 and digits of other scripts are numbers in Python alone."""
+    if "_" in cell or not cell.isascii():
+        raise ValueError
+    return float(cell)
+
+
 def _is_number(cell: str) -> bool:
     try:
-        float(cell)
+        _number(cell)
     except ValueError:
         return cell.lower() in _MISSING
     return True
@@ -310,10 +333,10 @@ def _no_number(line: int, cell: str) -> str:
 
 
 def _numbers(cells: list[str], path: Path, line: int) -> NDArray[np.float64]:
-    try:
-        return np.array(cells, dtype=np.float64)
-    except ValueError:
-        pass
+    line_of_cells = "".join(cells)
+    if "_" not in line_of_cells and line_of_cells.isascii():
+        with contextlib.suppress(ValueError):
+            return np.array(cells, dtype=np.float64)
     bad = next((cell for cell in cells if not _is_number(cell)), None)
     if bad is not None:
         raise FileFormatError(f"{path}: {_no_number(line, bad)}")

@@ -38,11 +38,11 @@ def read(
     Parameters
     ----------
     path
-        HDF5 (schema 1 or foreign), Zarr (needs the extra ``asperity[zarr]``), npy, npz, text (rows
-        of heights, or columns x, y, z), PNG, TIFF, SDF, X3P, or another instrument's file (needs
-        the extra ``asperity[formats]``).
+        HDF5 (schema 1 or foreign), Zarr (needs the extra ``asperity[zarr]``), npy, npz, mat, text
+        (rows of heights, or columns x, y, z), PNG, TIFF, SDF, X3P, or another instrument's file
+        (needs the extra ``asperity[formats]``).
     dataset
-        HDF5, Zarr: name of the heights, ``/heights`` by default. npz: name of the array. X3P:
+        HDF5, Zarr: name of the heights, ``/heights`` by default. npz, mat: name of the array. X3P:
         number of the layer. Instrument files: name of the channel.
     unit
         Unit of the heights, needed where the file states none: m, mm, um, nm, ...; or a multiple
@@ -184,6 +184,10 @@ def _reader(
         return arrays.read_npy
     if suffix == ".npz":
         return arrays.read_npz
+    if suffix == ".mat":
+        from .matlab import read_mat
+
+        return read_mat
     words = arrays.heading(path) if suffix in _TEXT else ""
     if words is None:
         return arrays.read_text

@@ -88,7 +88,7 @@ class SurfaceFile:
         self._file = file
         self._dataset = dataset
         self._ours = ours(dataset)
-        self._packing = header.packing
+        self._packing, self._chunks = header.packing, header.chunks
         self.history = header.history or (self._origin(header.notes),)
 
     def __enter__(self) -> Self:
@@ -210,6 +210,15 @@ class SurfaceFile:
             self.spacing,
             **self._facts(rows, columns),
         )
+
+    def written(self) -> Iterator[NDArray[np.float64]]:
+        """Heights [m] of all regions that are stored, for what need not know where they are."""
+        if self._chunks is None:
+            yield from (block for _, block in self.blocks())
+            return
+        for corner in self._chunks.corners:
+            ends = zip(corner, self._chunks.shape, self.shape, strict=True)
+            yield self.heights(*((at, min(at + side, n)) for at, side, n in ends))
 
     def _facts(self, rows: _Span | None, columns: _Span | None) -> dict[str, Any]:
         """What a map of a region is made of beside its heights and spacing."""

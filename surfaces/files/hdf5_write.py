@@ -5,15 +5,25 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import InputError, SurfaceError, as_numbers, as_text, checked_spacing
+from surfaces.errors import (
+    InputError,
+    SurfaceError,
+    as_numbers,
+    as_path,
+    as_text,
+    as_truth,
+    checked_history,
+    checked_spacing,
+    shown,
+)
 from surfaces.numerics import parallel
+from surfaces.random_waves import checked_shape
 
 from ._container import HEIGHTS
 from ._packing import FILTERS, chunk_of, packed
@@ -70,12 +80,16 @@ def write_blocks(
     """
     if dtype not in ("float64", "float32"):
         raise InputError(f"dtype is {dtype!r}; heights are stored as float64 or float32")
-    if len(shape) != 2 or min(shape) < 3:
-        raise SurfaceError(f"shape is {shape}; a height map needs two axes of at least 3 points")
-    if Path(path).suffix.lower() in NOT_HDF5:
+    shape = checked_shape(shape)
+    path = as_path(path)
+    if path.suffix.lower() in NOT_HDF5:
         raise InputError(f"{path}: blocks are written as HDF5 alone; call the file .h5")
     spacing = checked_spacing(spacing)
-    steps = [dict(step) for step in history]
+    steps = checked_history(history)
+    try:
+        told = json.dumps(steps, default=plain)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise SurfaceError(f"history cannot be stored as JSON ({error}); simplify it") from error
     with replacing(path) as part, h5py.File(part, "w", libver=("v110", "v110")) as file:
         heights = file.create_dataset(
             HEIGHTS,
@@ -88,9 +102,9 @@ def write_blocks(
         heights.attrs["schema"] = SCHEMA
         heights.attrs["spacing"] = np.asarray(spacing, dtype=np.float64)
         heights.attrs["unit"] = "m"
-        heights.attrs["periodic"] = bool(periodic)
+        heights.attrs["periodic"] = as_truth("periodic", periodic)
         heights.attrs["name"] = as_text(name)
-        heights.attrs["history"] = json.dumps(steps, default=plain)
+        heights.attrs["history"] = told
         for key in ("source", "instrument"):
             values = [as_text(step[key]) for step in steps if key in step]
             if values:
@@ -121,6 +135,8 @@ def _whole_chunks(
 ) -> Iterator[tuple[int, NDArray[np.float64]]]:
     """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
     held, written = np.empty((0, shape[1])), 0
+    if not isinstance(blocks, Iterable):
+        raise InputError(f"blocks is {shown(blocks)}; give the heights in blocks of whole rows")
     for block in blocks:
         row = written + len(held)
         rows = as_numbers(f"block at row {row}", block, finite=False, copy=False)

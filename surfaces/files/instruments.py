@@ -60,6 +60,13 @@ def read_x3p(
     if not isinstance(layer, x3pio.SurfaceLayer) or not layer.is_regular_grid:
         kind = "a profile, points or uneven axes"
         raise FileFormatError(f"{path}: holds {kind}; a height map needs an even grid")
+    turn = layer.placement.rotation
+    # a slight tilt is left to the levelling, and a turn in the plane changes no contact
+    if np.linalg.det(turn) < 0.5 or turn[2, 2] <= 0.0:
+        raise FileFormatError(
+            f"{path}: its rotation {turn.round(3).tolist()} mirrors the heights or turns them "
+            "over, so that it is open what points out of the solid; export it without a rotation"
+        )
     return _stated(path, unit, spacing, layer.z, layer.spacing[::-1], "X3P")
 
 
@@ -161,12 +168,16 @@ def _library(path: Path, hint: str) -> Any:
 
 
 def _channel(reader: Any, path: Path, name: str | None) -> Any:
-    if name is None:
-        return reader.default_channel
     channels = list(reader.channels)
-    for number, channel in enumerate(channels):
-        if name in (channel.name, str(number)):
-            return channel
+    if not channels:
+        raise FileFormatError(f"{path}: holds no heights in a unit of length")
+    named = [(known, c) for n, c in enumerate(channels) for known in (c.name, str(n))]
+    by_name = dict(reversed(named))  # of one name the first
+    channel = reader.default_channel if name is None else by_name.get(name)
+    if channel is not None and len(channel.nb_grid_pts) != 2:
+        raise FileFormatError(f"{path}: holds a line of heights; a height map needs two axes")
+    if channel is not None:
+        return channel
     raise FileFormatError(
         f"{path}: no channel {name!r}; the file holds {', '.join(str(c.name) for c in channels)}"
     )

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import FileFormatError
+from surfaces.errors import FileFormatError, InputError
 from surfaces.heightmap import HeightMap
 from surfaces.polar import PolarProfile
 
+from ._damage import DAMAGED
 from .formats import read
 
 __all__ = ["read_profile"]
@@ -49,7 +50,10 @@ def read_profile(
                 if "heights" not in file:
                     keys = ("r", "phi", "f", *(["edge"] if "edge" in file else []))
                     return PolarProfile(*(_column(file, key, name) for key in keys))
-        except (OSError, KeyError, TypeError, RuntimeError) as error:
+        except InputError as error:
+            text = str(error).removeprefix(f"{name}: ")
+            raise FileFormatError(f"{name}: {text}") from error
+        except DAMAGED as error:
             raise FileFormatError(f"{name}: cannot be read ({error}); is it cut off?") from None
     return _highest_peak(read(path, dataset=dataset, unit=unit, spacing=spacing), name)
 

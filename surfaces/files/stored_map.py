@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.errors import checked_range, checked_spacing
+from surfaces.errors import checked_history, checked_range, checked_spacing
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import Source, StoredArray, windows
@@ -41,7 +41,7 @@ class StoredMap(HeightMap):
             "spacing": checked_spacing(spacing),
             "periodic": periodic,
             "name": name,
-            "history": tuple(dict(step) for step in history),
+            "history": checked_history(history),
         }
         for key, value in given.items():
             object.__setattr__(self, key, value)

@@ -52,7 +52,7 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
 
 def _height_faults(file: SurfaceFile) -> Iterator[Fault]:
     infinite = present = 0
-    for _, block in file.blocks():
+    for block in file.written():
         infinite += int(np.count_nonzero(np.isinf(block)))
         present += int(np.count_nonzero(np.isfinite(block)))
     if infinite:

@@ -98,11 +98,11 @@ class StoredArray:
             self._file = _Descriptor(os.dup(file.fileno()))
         try:
             os.posix_fallocate(self._file.fileno(), 0, needed)
-        except OSError as error:
+        except (OSError, OverflowError) as error:  # so many bytes have no 64-bit number
             remedy = "set TMPDIR to a folder that has" if folder is None else "make room there"
             raise SurfaceError(
                 f"{place} has no room for {needed / 1e9:.3g} GB of a map that does not fit into "
-                f"memory ({error.strerror}); {remedy}"
+                f"memory ({getattr(error, 'strerror', error)}); {remedy}"
             ) from error
 
     def __len__(self) -> int:

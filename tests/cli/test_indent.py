@@ -8,7 +8,7 @@ import pytest
 
 from asperity import HalfSpace, indent
 from asperity.cli.main import main
-from surfaces import HeightMap, PolarProfile, write
+from surfaces import FileFormatError, HeightMap, PolarProfile, write
 from surfaces.files.profile_file import read_profile
 from surfaces.shapes import bent_body
 
@@ -78,6 +78,19 @@ def test_profile_file_comes_back_and_is_solved(tmp_path, table, capsys):
     call = ["indent", str(path), "--E", "1e9", "--approach", "1e-9:1e-8:3"]
     assert main([*call, "--law", "harmonic"]) == 0
     assert capsys.readouterr().out.count("harmonic") == 3
+
+
+@pytest.mark.parametrize(("value", "words"), [(np.nan, "it must be finite"), (b"x", "cut off")])
+def test_what_is_wrong_in_a_profile_file_is_told_with_its_name(value, words, tmp_path, table):
+    path = tmp_path / "profile.h5"
+    write_profile(table, path)
+    with h5py.File(path, "r+") as file:
+        f = file["f"][:].astype(np.array(value).dtype)
+        del file["f"]
+        f[4, 3] = value
+        file["f"] = f
+    with pytest.raises(FileFormatError, match=rf"^profile\.h5: .*{words}"):
+        read_profile(path)
 
 
 def test_a_contact_without_solution_is_marked_and_drawn(tmp_path, capsys):

@@ -6,6 +6,7 @@ import contextlib
 import re
 import struct
 import sys
+import zipfile
 import zlib
 from pathlib import Path
 from types import SimpleNamespace
@@ -117,14 +118,26 @@ def test_a_spacing_that_contradicts_the_file_is_refused(tmp_path: Path, name: st
         surfaces.read(path, spacing=2e-6)
 
 
-def test_a_spacing_that_contradicts_an_instrument_file_is_refused(tmp_path, monkeypatch) -> None:
-    channel = SimpleNamespace(unit="um", physical_sizes=(51.0, 24.0), nb_grid_pts=(17, 12))
-    reader = contextlib.nullcontext(SimpleNamespace(default_channel=channel))
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        ([(17, 12)], r"states spacing \(2e-06, 3e-06\) m; leave out"),
+        ([(17,)], "holds a line of heights; a height map needs two axes"),
+        ([], "holds no heights in a unit of length"),
+    ],
+)
+def test_instrument_files_of_no_such_map(tmp_path: Path, monkeypatch, points, message) -> None:
+    channels = [
+        SimpleNamespace(unit="um", physical_sizes=(51.0, 24.0), nb_grid_pts=n, name="a")
+        for n in points
+    ]
+    content = SimpleNamespace(default_channel=next(iter(channels), None), channels=channels)
+    reader = contextlib.nullcontext(content)
     errors = SimpleNamespace(CannotDetectFileFormat=KeyError, ReadFileError=KeyError)
     library = SimpleNamespace(open_topography=lambda _: reader, Exceptions=errors)
     monkeypatch.setitem(sys.modules, "SurfaceTopography", library)
     (tmp_path / "a.sur").write_bytes(b"DIGITAL SURF")
-    with pytest.raises(FileFormatError, match=r"states spacing \(2e-06, 3e-06\) m; leave out"):
+    with pytest.raises(FileFormatError, match=message):
         surfaces.read(tmp_path / "a.sur", spacing=2e-6)
 
 
@@ -235,6 +248,30 @@ def test_layers_of_x3p(tmp_path: Path) -> None:
     x3pio.write(tmp_path / "b.x3p", np.zeros(9), x_scale=1e-6)
     with pytest.raises(FileFormatError, match="needs an even grid"):
         surfaces.read(tmp_path / "b.x3p")
+
+
+def test_rotations_of_x3p(tmp_path: Path) -> None:
+    """A turn in the plane and a slight tilt leave the heights; one that turns them over does not,
+    nor does a mirror, which the standard forbids and files state nevertheless."""
+
+    def turned(axis: list[float], angle: float) -> surfaces.HeightMap:
+        place = x3pio.Placement.from_axis_angle(axis, angle)
+        view = {"placement": place, "coordinate_system": x3pio.CoordinateSystem.VIEW}
+        x3pio.write(tmp_path / "a.x3p", HEIGHTS, x_scale=3e-6, y_scale=2e-6, **view)
+        return surfaces.read(tmp_path / "a.x3p")
+
+    for axis, angle in (([0, 0, 1], 0.3), ([0, 0, 1], np.pi), ([1, 0, 0], 0.05)):
+        np.testing.assert_array_equal(turned(axis, angle).heights, HEIGHTS)
+    for axis, angle in (([1, 0, 0], np.pi), ([0, 1, 0], 2.0)):
+        with pytest.raises(FileFormatError, match=r"turns them over.*export it without"):
+            turned(axis, angle)
+    turned([0, 0, 1], np.pi)
+    mirror = tmp_path / "b.x3p"
+    with zipfile.ZipFile(tmp_path / "a.x3p") as old, zipfile.ZipFile(mirror, "w") as new:
+        for name in set(old.namelist()) - {"md5checksum.hex"}:
+            new.writestr(name, re.sub(rb"(?<=<r22>)[^<]*", b"1", old.read(name)))
+    with pytest.raises(FileFormatError, match="mirrors"):
+        surfaces.read(mirror)
 
 
 @pytest.mark.parametrize("name", MAKERS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 import zipfile
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from samples import SPACING
+from scipy.io import savemat
 
 import surfaces
 from surfaces.errors import FileFormatError, InputError, SurfaceError
@@ -160,11 +162,16 @@ def test_a_heading_that_nothing_reads_is_named(
         ("# only a comment\n\n", "no rows of numbers"),
         ("1 2\n3 4\n", "at least 3 points"),
         ("inf 2 3\n4 5 6\n7 8 9\n", "infinite"),
+        ("1 2 3\n4 1_0 6\n7 8 9\n", "line 2 holds '1_0', which is no number"),
+        ("1 2 3\n4 \u0662 6\n7 8 9\n", "line 2 holds '\u0662', which is no number"),
+        ("# spacing = 1_0 1\n1 2 3\n4 5 6\n7 8 9\n", "spacing = 1_0 1 is not DY DX"),
+        ("# unit = um\n1 2 3\n4 5 6\n7 8 9\n# unit = nm\n", "line 5 states unit = 'nm' and one"),
+        ("# spacing = 1 2\n# Spacing: 2 2\n1 2 3\n4 5 6\n7 8 9\n", "line 2 states spacing"),
     ],
 )
 def test_bad_text(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "a.txt"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=message) as caught:
         surfaces.read(path, unit="um", spacing=1e-6)
     assert str(caught.value).count(str(path)) == 1
@@ -223,6 +230,50 @@ def test_bad_facts_of_an_npz(tmp_path: Path, facts: dict, message: str) -> None:
         surfaces.read(tmp_path / "a.npz")
 
 
+def test_a_matlab_matrix_is_as_it_is_shown(tmp_path: Path) -> None:
+    """One row for each y, without any extra."""
+    heights, path = HEIGHTS[:, :9], tmp_path / "a.mat"
+    savemat(path, {"z": heights, "unit": "um", "spacing": [1e-6, 3e-6], "periodic": True})
+    hm = surfaces.read(path)
+    np.testing.assert_allclose(hm.heights, heights * 1e-6, rtol=1e-15)
+    assert (hm.spacing, hm.periodic) == ((1e-6, 3e-6), True)
+    savemat(path, {"z": heights.T, "other": np.eye(3)}, do_compression=True)
+    with pytest.raises(FileFormatError, match="the file holds z, other; name the heights"):
+        surfaces.read(path, unit="um", spacing=1e-6)
+    assert surfaces.read(path, dataset="z", unit="um", spacing=1e-6).shape == (9, 12)
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [(HEIGHTS * 1j, "complex128"), ("text", "real numbers"), (1.0, "real numbers")],
+)
+def test_matlab_variables_that_are_no_heights(tmp_path: Path, value, message: str) -> None:
+    savemat(tmp_path / "a.mat", {"z": value})
+    with pytest.raises(FileFormatError, match=message):
+        surfaces.read(tmp_path / "a.mat", unit="um", spacing=1e-6)
+
+
+def test_matlab_files_of_another_kind(tmp_path: Path) -> None:
+    path = tmp_path / "a.mat"
+    header = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
+    path.write_bytes(header.ljust(512, b"\0") + b"\x89HDF\r\n\x1a\n" + bytes(64))
+    with pytest.raises(FileFormatError, match=r"MATLAB 7\.3; save it with -v7"):
+        surfaces.read(path)
+    savemat(path, {"z": HEIGHTS})
+    for content in (path.read_bytes()[:300], b"no matrix"):
+        path.write_bytes(content)
+        with pytest.raises(FileFormatError, match="damaged, or not as its format says"):
+            surfaces.read(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no child processes are forked here")
+def test_a_matlab_file_that_crashes_its_reader(tmp_path: Path, monkeypatch) -> None:
+    savemat(tmp_path / "a.mat", {"z": HEIGHTS})
+    monkeypatch.setattr("scipy.io.loadmat", lambda *_, **__: os.kill(os.getpid(), 9))
+    with pytest.raises(FileFormatError, match="damaged, it crashes the library"):
+        surfaces.read(tmp_path / "a.mat", unit="um", spacing=1e-6)
+
+
 def test_npz_with_several_arrays_lists_them(tmp_path: Path) -> None:
     path = tmp_path / "a.npz"
     np.savez(path, z=HEIGHTS, w=HEIGHTS * 2)
@@ -259,11 +310,13 @@ def test_arrays_that_promise_more_than_they_hold(tmp_path: Path) -> None:
             surfaces.read(tmp_path / name, unit="um", spacing=1e-6)
 
 
-@pytest.mark.parametrize("suffix", [".npy", ".npz", ".txt", ".csv"])
+@pytest.mark.parametrize("suffix", [".npy", ".npz", ".mat", ".txt", ".csv"])
 def test_mutated_arrays_read_or_raise_one_sentence(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"a{suffix}"
     if suffix == ".npy":
         np.save(path, HEIGHTS)
+    elif suffix == ".mat":
+        savemat(path, {"z": HEIGHTS, "unit": "um", "spacing": [1e-6, 1e-6]})
     else:
         surfaces.write(sample(), path)
     content = path.read_bytes()

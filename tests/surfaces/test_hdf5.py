@@ -240,6 +240,34 @@ def test_declared_but_unwritten_heights_are_not_zeros(tmp_path: Path) -> None:
         surfaces.read(path, unit="m", spacing=1e-6)
 
 
+def test_hardly_anything_of_a_huge_dataset_is_stored(tmp_path: Path) -> None:
+    path = tmp_path / "hollow.h5"
+    with h5py.File(path, "w") as file:
+        options = {"chunks": (256, 256), "fillvalue": np.nan}
+        z = file.create_dataset("heights", (10**7, 10**7), "f4", **options)
+        z.attrs.update({"unit": "m", "spacing": 1e-6})
+        z[5 * 10**6, 10**7 - 3 :] = [1, np.inf, 3]
+    assert [str(fault) for fault in surfaces.validate(path) if fault.fatal] == [
+        "1 heights are infinite; mark missing points with NaN"
+    ]
+
+
+def test_chunks_of_missing_points_need_not_be_stored(tmp_path: Path) -> None:
+    path = tmp_path / "hollow.h5"
+    with h5py.File(path, "w") as file:
+        z = file.create_dataset("heights", (9, 12), "i2", chunks=(3, 4), fillvalue=-9999)
+        z[:3, :4] = np.arange(12).reshape(3, 4)
+        z.attrs.update({"unit": "m", "spacing": 1e-6})
+    with pytest.raises(FileFormatError, match=r"1 of its 9 chunks; .* -9999 .* name that _Fill"):
+        surfaces.read(path)
+    with h5py.File(path, "r+") as file:
+        file["heights"].attrs["_FillValue"] = np.int16(-9999)
+    hm = surfaces.read(path)
+    np.testing.assert_array_equal(hm.heights[:3, :4], np.arange(12).reshape(3, 4))
+    assert hm.missing == 96
+    assert not any(fault.fatal for fault in surfaces.validate(path))
+
+
 @pytest.mark.parametrize("keep", [0.0, 0.001, 0.3, 0.5, 0.9, 0.999])
 def test_truncated_files(stored: Path, keep: float) -> None:
     content = stored.read_bytes()
@@ -260,6 +288,16 @@ def test_not_a_file(tmp_path: Path) -> None:
     (tmp_path / "text.h5").write_text("not HDF5 at all")
     with pytest.raises(FileFormatError, match="not an HDF5 file"):
         surfaces.read(tmp_path / "text.h5")
+
+
+@pytest.mark.parametrize(
+    "link", [h5py.SoftLink("/heights"), h5py.SoftLink("/none"), h5py.ExternalLink("none.h5", "/z")]
+)
+def test_links_that_lead_nowhere_are_no_damage(tmp_path: Path, link: object) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["heights"] = link
+    with pytest.raises(FileFormatError, match=r"is a link to .* leads nowhere .*--dataset"):
+        surfaces.read(tmp_path / "a.h5")
 
 
 def test_links_into_other_files_are_not_followed(stored: Path, tmp_path: Path) -> None:

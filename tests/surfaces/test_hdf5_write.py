@@ -66,14 +66,14 @@ def test_too_few_rows_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("shape", "spacing", "match"),
     [
-        ((2, 4), SPACING, "3 points"),
+        ((2, 4), SPACING, "at least 3"),
         ((3, 4), (1e-6, -1e-6), "pixel size"),
         ((3, 4), SPACING, "inf"),
     ],
 )
 def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, shape, spacing, match) -> None:
     blocks = [np.zeros((2, 4)), np.full((1, 4), np.inf)]
-    with pytest.raises(SurfaceError, match=match):
+    with pytest.raises(InputError, match=match):
         surfaces.write_blocks(tmp_path / "b.h5", shape, spacing, blocks)
     assert list(tmp_path.iterdir()) == []
 
@@ -81,6 +81,32 @@ def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, shape, spac
 def test_missing_folder_is_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be written"):
         surfaces.write(bumps(), tmp_path / "none" / "b.h5")
+
+
+@pytest.mark.parametrize(
+    ("argument", "value", "match"),
+    [
+        ("shape", 4, "shape is"),
+        ("shape", (4, None), "shape is"),
+        ("shape", (4.0, np.nan), "shape is"),
+        ("blocks", None, "blocks is None"),
+        ("history", None, "history is None; it is a sequence"),
+        ("history", ["level"], "it is a sequence of mappings"),
+        ("history", [{(1, 2): 3}], "history cannot be stored as JSON"),
+        ("periodic", "no", "periodic is 'no'; it must be True or False"),
+        ("path", None, "path of a file"),
+    ],
+)
+def test_arguments_of_no_map_are_refused(tmp_path: Path, argument: str, value, match: str) -> None:
+    given = {"path": tmp_path / "b.h5", "shape": (4, 4), "spacing": 1e-6, "blocks": [np.eye(4)]}
+    with pytest.raises(InputError, match=match):
+        surfaces.write_blocks(**(given | {argument: value}))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_whole_numbers_of_points_may_be_floats(tmp_path: Path) -> None:
+    surfaces.write_blocks(tmp_path / "b.h5", (4.0, 4.0), 1e-6, [np.eye(4)])
+    assert surfaces.read(tmp_path / "b.h5").shape == (4, 4)
 
 
 @pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv", ".txt"])

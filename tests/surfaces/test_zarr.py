@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import struct
 import sys
 from pathlib import Path
 
@@ -96,6 +98,51 @@ def test_damage_is_told(stored: Path) -> None:
     (stored / "zarr.json").write_text("{")
     with pytest.raises(FileFormatError, match="damaged Zarr"):
         surfaces.read(stored)
+
+
+@pytest.mark.parametrize("form", [2, 3])
+def test_a_missing_point_is_known_where_xarray_states_it(tmp_path: Path, form: int) -> None:
+    """In the fill value of format 2, which marks chunks of missing points by their absence, and in
+    base64 of a double in format 3."""
+    zarr = pytest.importorskip("zarr", reason="the extra for Zarr is not installed")
+    numbers = np.arange(120, dtype="f4").reshape(10, 12)
+    numbers[:4, :5] = numbers[8, 7] = -9999
+    array = zarr.create_array(
+        tmp_path / "a.zarr",
+        shape=numbers.shape,
+        dtype="f4",
+        chunks=(4, 5),
+        fill_value=-9999,
+        zarr_format=form,
+    )
+    array[:] = numbers
+    array.attrs.update({"unit": "um", "spacing": [1e-6, 1e-6]})
+    coded = base64.b64encode(struct.pack("<d", -9999)).decode()
+    array.attrs.update({"_ARRAY_DIMENSIONS": "yx"} if form == 2 else {"_FillValue": coded})
+    expected = np.where(numbers == -9999, np.nan, numbers)
+    np.testing.assert_allclose(surfaces.read(tmp_path / "a.zarr").heights, 1e-6 * expected)
+
+
+@pytest.mark.parametrize("form", [2, 3])
+def test_hardly_anything_of_a_huge_array_is_stored(tmp_path: Path, form: int) -> None:
+    zarr = pytest.importorskip("zarr", reason="the extra for Zarr is not installed")
+    array = zarr.create_array(
+        tmp_path / "a.zarr",
+        shape=(2**40, 2**40),
+        dtype="f8",
+        chunks=(2**8, 2**8),
+        fill_value=np.nan,
+        zarr_format=form,
+    )
+    array.attrs.update({"unit": "m", "spacing": [1e-6, 1e-6], "periodic": False})
+    array[2**39 : 2**39 + 3, 5:8] = [[1, 2, 3]] * 3
+    part = surfaces.read(tmp_path / "a.zarr", rows=(2**39, 2**39 + 4), columns=(5, 8))
+    np.testing.assert_array_equal(part.heights, [[1, 2, 3]] * 3 + [[np.nan] * 3])
+    assert not any(fault.fatal for fault in surfaces.validate(tmp_path / "a.zarr"))
+    array[2**39, 5] = np.inf
+    assert "1 heights are infinite" in str(surfaces.validate(tmp_path / "a.zarr")[-1])
+    with pytest.raises(surfaces.SurfaceError, match="no room for"):
+        surfaces.read(tmp_path / "a.zarr")
 
 
 def test_without_the_library_it_is_named(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from asperity import HalfSpace, InputError, indent_bem
@@ -24,6 +25,10 @@ def test_thin_corners_are_not_cut_off():
     assert not contact[[0, -1]].any() and not contact[:, [0, -1]].any()
 
 
+def _with_a_gap(r, phi):
+    return np.where((phi > 1.0) & (phi < 1.2), np.nan, r**2)
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -34,6 +39,11 @@ def test_thin_corners_are_not_cut_off():
         ),
         (lambda m: indent_bem(PowerLawProfile(2, 1.0), m, "deep"), "number or an array of numbers"),
         (lambda m: indent_bem(PowerLawProfile(1, -1.0), m, 1.0), "does not rise to the approach"),
+        (lambda m: indent_bem(_with_a_gap, m, 1.0), "the gap .* of the profile is NaN at"),
+        (lambda m: indent_bem(_with_a_gap, m, load=1.0), "the gap .* of the profile is NaN at"),
+        (lambda m: indent_bem(lambda r, phi: [0.0] * 3, m, 1.0), r"profile has shape \(3,\)"),
+        (lambda m: indent_bem(lambda r, phi: 1j * r, m, load=1.0), "array of numbers"),
+        (lambda m: indent_bem(lambda r, phi: "deep", m, 1.0), "array of numbers"),
         (lambda m: indent_bem(PowerLawProfile(1, 0.0), m, 1.0), "does not rise to the approach"),
     ],
 )
