@@ -285,7 +285,9 @@ def _curve(
     pressure, tangent = columns["mean_pressure"], columns["stiffness"]
     converged = np.array([not row.reason for row in rows])
     area, separation = columns["contact_area"], columns["separation"]
-    stiffness = curve_stiffness(pressure, separation, tangent, converged)
+    found = decomposition.hm.roughness
+    held = separation == found.highest - found.mean  # as far as a law of fine waves may lift it
+    stiffness = curve_stiffness(pressure, separation, tangent, converged & ~held)
     weights = plan.parameters.error_estimate
     known = 0.0 if plan.law in CALIBRATED and plan.estimated else np.nan
     load_error, area_error = (

@@ -26,6 +26,7 @@ __all__ = [
     "as_numbers",
     "as_path",
     "as_positive",
+    "as_sizes",
     "as_text",
     "as_truth",
     "checked_heights",
@@ -101,6 +102,18 @@ def as_numbers(
     if finite and not np.isfinite(array).all():
         raise InputError(f"{name} is {shown(values)}; it must be finite")
     return np.asarray(array)
+
+
+def as_sizes(name: str, values: Any) -> NDArray[np.float64]:
+    """The argument called `name` as an array of any shape of numbers, each zero or of a size of
+    which powers are floats, too."""
+    array = as_numbers(name, values)
+    size = np.abs(array[array != 0])
+    if np.any((size < 1 / LARGEST) | (size > LARGEST)):
+        raise InputError(
+            f"{name} is {shown(values)}; give numbers from {1 / LARGEST:g} to {LARGEST:g}, or zero"
+        )
+    return array
 
 
 def as_count(name: str, value: Any, least: int) -> int:

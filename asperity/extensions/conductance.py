@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from asperity.errors import InputError
 from asperity.results.curve import ContactCurve
 from asperity.results.table import require_curve
-from surfaces.errors import as_numbers, as_positive
+from surfaces.errors import as_positive, as_sizes
 
 __all__ = ["constriction_conductance", "total_resistivity"]
 
@@ -74,10 +74,10 @@ def constriction_conductance(
 
 def total_resistivity(resistivity: tuple[float, float]) -> float:
     """Sum of the resistivities of both bodies, checked."""
-    both = as_numbers("resistivity", resistivity)
+    both = as_sizes("resistivity", resistivity)
     if both.shape != (2,):
         raise InputError(f"resistivity is {resistivity!r}; give one number for each of two bodies")
     total = float(both.sum())
-    if not (both.min() >= 0 and 0 < total < np.inf):
-        raise InputError("resistivities must not be negative, their sum positive and finite")
+    if not (both.min() >= 0 and total > 0):
+        raise InputError("resistivities must not be negative, their sum positive")
     return total

@@ -17,7 +17,7 @@ from asperity.microcontact.single.indentation import Indentation
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import SLACK
 from asperity.results.table import require_curve
-from surfaces.errors import as_count, as_numbers, as_positive
+from surfaces.errors import as_count, as_positive, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["FrictionCurve", "PartialSlip", "friction_curve", "partial_slip", "tangential_modulus"]
@@ -137,7 +137,7 @@ def partial_slip(
     InputError
         If the arguments are out of range, or the body is graded.
     ModelRangeError
-        If the force is above mu F_N.
+        If the force is above mu F_N, or the law has no solution at this approach.
 
     Notes
     -----
@@ -168,21 +168,27 @@ def partial_slip(
     if (displacement is None) == (tangential_force is None):
         raise InputError("give either displacement or tangential_force")
     full = indent(profile, material, depth, law=law)
+    if np.isnan(full.force):
+        raise ModelRangeError(
+            f"the law {law!r} has no solution at an approach of {depth:.4g} m; give a smaller one"
+        )
     if displacement is not None:
         moved = _push("displacement", displacement)
         sticking = depth - moved / (friction * ratio)
     else:
         lost = _push("tangential_force", tangential_force) / friction
-        sticking = _stick_depth(profile, material, full, lost, law)
+        sticking = np.minimum(_stick_depth(profile, material, full, lost, law), depth)
         moved = np.where(sticking > 0, friction * ratio * (depth - sticking), np.nan)
     slipping = sticking <= 0
     stick = indent(profile, material, np.maximum(sticking, 0.0), law=law)
-    force = friction * (full.force - np.where(slipping, 0.0, stick.force))
+    if tangential_force is None:
+        lost = np.maximum(full.force - np.where(slipping, 0.0, stick.force), 0.0)
+    force = friction * np.minimum(lost, full.force)
     return PartialSlip(full, stick, friction, force, moved, slipping)
 
 
 def _push(name: str, values: ArrayLike | None) -> Array:
-    array = as_numbers(name, values)
+    array = as_sizes(name, values)
     if array.ndim > 1 or np.any(array < 0):
         raise InputError(f"{name} must be a number or one axis of them, not negative")
     return array

@@ -12,7 +12,7 @@ from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.indentation import Indentation
-from surfaces.errors import as_number, as_numbers
+from surfaces.errors import as_number, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["Relaxation", "ViscoelasticContact", "viscoelastic_force", "viscoelastic_indent"]
@@ -48,14 +48,13 @@ class Relaxation:
     times: Sequence[float]
 
     def __post_init__(self) -> None:
-        strengths, times = as_numbers("strengths", self.strengths), as_numbers("times", self.times)
+        strengths, times = as_sizes("strengths", self.strengths), as_sizes("times", self.times)
         equilibrium = as_number("equilibrium", self.equilibrium)
+        as_sizes("equilibrium", equilibrium)
         if strengths.ndim != 1 or strengths.shape != times.shape:
             raise InputError("give one relaxation time per strength")
-        if not 0 <= equilibrium < np.inf or np.any(strengths <= 0) or np.any(times <= 0):
-            raise InputError(
-                "strengths and times must be positive, equilibrium finite and not negative"
-            )
+        if equilibrium < 0 or np.any(strengths <= 0) or np.any(times <= 0):
+            raise InputError("strengths and times must be positive, equilibrium not negative")
         if equilibrium == 0 and len(strengths) == 0:
             raise InputError("a body without any modulus carries nothing")
         object.__setattr__(self, "equilibrium", equilibrium)
@@ -64,11 +63,11 @@ class Relaxation:
 
     def __call__(self, t: ArrayLike) -> Array:
         """E*_rel [Pa] at the times `t` [s] after a step; refused before it."""
-        time = as_numbers("t", t)
+        time = as_sizes("t", t)
         if np.any(time < 0):
             raise InputError(f"t is {time.min():.4g} s; give times after the step, not negative")
         arms = (g * np.exp(-time / tau) for g, tau in zip(self.strengths, self.times, strict=True))
-        return np.asarray(self.equilibrium + sum(arms))
+        return np.asarray(sum(arms, np.full(time.shape, self.equilibrium)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,13 +150,13 @@ def viscoelastic_indent(
     """
     if not isinstance(relaxation, Relaxation):
         raise InputError(f"an asperity.Relaxation is needed, not {type(relaxation).__name__}")
-    instants = as_numbers("time", time)
+    instants = as_sizes("time", time)
     if instants.ndim != 1 or instants.size < 2 or np.any(np.diff(instants) <= 0):
         raise InputError("time must hold at least two rising instants")
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     name, chosen = ("approach", approach) if load is None else ("load", load)
-    given = as_numbers(name, chosen)
+    given = as_sizes(name, chosen)
     if given.shape != instants.shape or np.any(given < 0):
         raise InputError(f"{name} must be not negative and as long as time")
     unit = HalfSpace.from_modulus(1.0, m)
@@ -168,6 +167,7 @@ def viscoelastic_indent(
             instants, given, viscoelastic_force(relaxation, instants, elastic.force), elastic
         )
     response = viscoelastic_force(relaxation, instants, given, inverse=True)
+    as_sizes("load over modulus", response)
     _growing(response)
     depth = np.zeros(given.shape)
     touching = response > 0

@@ -31,6 +31,10 @@ NEAR = 32
 FEWEST = 96
 """Least points of the shorter side of the grid of the longer waves."""
 
+ROUNDING = 1e-12
+"""What shells lack of their width, relative. Every second wave along an axis of a map with its
+mirror images lies between two shells: it belongs to the outer one in every unit of length."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shells:
@@ -66,7 +70,8 @@ class Shells:
         else:
             qy, qx = np.arange(ny) * np.pi / hm.size[0], np.arange(nx) * np.pi / hm.size[1]
         numbers = np.asarray(qy, float), np.asarray(qx, float)
-        width, waves = 2.0 * np.pi / max(hm.size), _waves(hm, len(numbers[1]))
+        width = (1.0 - ROUNDING) * 2.0 * np.pi / max(hm.size)
+        waves = _waves(hm, len(numbers[1]))
         return cls(hm, waves, numbers, width, _sums(hm, waves, numbers, width, m))
 
     def map(self, last: int, points: float) -> Resampled | None:

@@ -111,9 +111,9 @@ class SubContactLaw:
 
         A contact is taken as far wider than the fine waves if no area is given.
         """
-        closed = self.elastic_share(pressure, share, area)
-        yielded = np.minimum(np.asarray(pressure) / self.hardness, 1.0)
-        return np.asarray(np.cbrt(1.0 - (1.0 - closed**3) * (1.0 - yielded**3)))
+        closed = self.elastic_share(pressure, share, area) ** 3
+        yielded = np.minimum(np.asarray(pressure) / self.hardness, 1.0) ** 3
+        return np.asarray(np.cbrt(closed + yielded * (1.0 - closed)))
 
     def elastic_share(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
         """`remaining` without a hardness."""
@@ -131,7 +131,7 @@ class SubContactLaw:
         fitted = self.fitted
         height = fitted.lift * (1.0 - fitted.graded_lift * self.m)
         tops = fitted.tops * (1.0 - fitted.graded_tops * self.m)
-        light = max(float(ndtri(1.0 - share)) - fitted.tops_from, 0.0)
+        light = max(-float(ndtri(share)) - fitted.tops_from, 0.0)
         longer, whole = self.rms
         more = height * (1.0 - share) ** fitted.lift_power
         return float((1.0 + more) * first + tops * light * (whole - longer))
@@ -139,7 +139,7 @@ class SubContactLaw:
     def bearing_lift(self, share: float) -> float:
         """Height [m] by which the fine waves raise the bearing curve where it is the share P."""
         longer, whole = self.rms
-        return float(ndtri(1.0 - share) * (whole - longer))
+        return float(-ndtri(share) * (whole - longer))
 
     def _opening(self, pressure: ArrayLike, share: float) -> Array:
         """sqrt(b)."""

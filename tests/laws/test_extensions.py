@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from asperity import HalfSpace, InputError, ModelRangeError, indent
+from asperity.extensions.conductance import total_resistivity
 from asperity.extensions.partial_slip import partial_slip, tangential_modulus
 from asperity.extensions.viscoelastic import Relaxation, viscoelastic_indent
 from asperity.microcontact.single.punch import flat_punch
-from surfaces import PowerLawProfile
+from surfaces import PolarProfile, PowerLawProfile
 from surfaces.shapes import polygon
 
 SPHERE = PowerLawProfile(2, 0.5)
@@ -179,3 +180,61 @@ def test_slow_and_fast_loading_are_elastic():
 def test_a_shrinking_contact_is_refused():
     with pytest.raises(ModelRangeError, match="would shrink"):
         viscoelastic_indent(SPHERE, Relaxation(1.0, [], []), [0.0, 1.0], [0.2, 0.1])
+
+
+def bent_down():
+    """A hill that becomes flatter and falls, so that laws end before 0.6."""
+    r, phi = np.linspace(0.0, 1.0, 40), 2 * np.pi * np.arange(64) / 64
+    slope = (r**2 * (1 - 0.9 * r**2))[:, None]
+    return PolarProfile(r, phi, slope * (1 + 0.2 * np.cos(2 * phi)))
+
+
+@pytest.mark.parametrize("depth", [1e-6, 1e-5, 3e-4, 1e-2])
+def test_next_to_no_push_moves_nothing_backwards(depth):
+    """Rounding left forces and displacements of the wrong sign, and another force than given."""
+    case = {"friction": 0.3, "modulus_ratio": 1.2}
+    body = HalfSpace.from_modulus(1.0)
+    force = np.array([0.0, 1e-30, 1e-25])
+    one = partial_slip(bent_down(), body, depth, tangential_force=force, **case)
+    np.testing.assert_allclose(one.tangential_force, force, rtol=1e-12)
+    assert (one.displacement >= 0).all()
+    other = partial_slip(bent_down(), body, depth, displacement=force, **case)
+    assert (other.tangential_force >= 0).all()
+
+
+def test_a_contact_without_a_solution_does_not_slip():
+    """It was said to slip, at a force of NaN."""
+    for push in ({"displacement": 0.0}, {"tangential_force": 0.0}):
+        with pytest.raises(ModelRangeError, match=r"no solution at an approach of 0\.6 m"):
+            partial_slip(
+                bent_down(), HalfSpace.from_modulus(1.0), 0.6, friction=0.3, modulus_ratio=1, **push
+            )
+
+
+def test_a_body_that_does_not_relax_has_a_modulus_at_every_time():
+    assert Relaxation(2.0, [], [])([0.0, 1.0, 5.0]).tolist() == [2.0, 2.0, 2.0]
+
+
+def test_numbers_without_powers_are_refused():
+    """They ended in a division by zero, NaN and warnings of NumPy."""
+    t, d = [0.0, 1.0], [0.01, 0.01]
+    for numbers in ((0.0, [1e308, 1e308], [1.0, 2.0]), (1.0, [1.0], [1e300]), (1e-300, [], [])):
+        with pytest.raises(InputError, match="give numbers from 1e-100 to 1e"):
+            Relaxation(*numbers)
+    solid = Relaxation(1.0, [3.0], [2.0])
+    for wrong in (
+        lambda: solid(1e308),
+        lambda: viscoelastic_indent(SPHERE, solid, [-1e308, 1e308], d),
+        lambda: viscoelastic_indent(SPHERE, Relaxation(1e90, [], []), t, load=[1e-20, 1e-20]),
+        lambda: partial_slip(
+            SPHERE, STEEL, 0.01, friction=1e-100, modulus_ratio=1e-100, displacement=1e300
+        ),
+        lambda: total_resistivity((1e308, 1e308)),
+        lambda: total_resistivity((1e-320, 0.0)),
+    ):
+        with pytest.raises(InputError, match="give numbers from 1e-100 to 1e"):
+            wrong()
+    arms = Relaxation(0.0, [1e100, 1e-100], [1e-100, 1e100])
+    assert np.isfinite(
+        viscoelastic_indent(SPHERE, arms, [0.0, 1e-100, 1e100], [0.01] * 3).force
+    ).all()

@@ -188,7 +188,7 @@ def test_a_body_that_turns_over_has_no_solution_beyond():
         (lambda b, m: indent(b, m, np.nan), InputError, "approach is nan; it must be finite"),
         (lambda b, m: indent(b, m, "deep"), InputError, "it must be a number"),
         (lambda b, m: indent(b, m, 1j), InputError, "it must be a number"),
-        (lambda b, m: indent(b, m, np.ones((2, 2))), InputError, "has 2 axes"),
+        (lambda b, m: indent(b, m, np.ones((2, 2))), InputError, r"has the shape \(2, 2\)"),
         (lambda b, m: indent("cone", m, 1.0), InputError, "profile must be one of surfaces"),
         (lambda b, m: indent(b, 1e9, 1.0), InputError, "HalfSpace is needed, not float"),
         (lambda b, m: indent(b, m, load=-1.0), InputError, "load must be positive"),

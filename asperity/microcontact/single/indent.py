@@ -14,7 +14,7 @@ from asperity.errors import InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.microcontact.laws import require_law
-from surfaces.errors import LARGEST, as_numbers, shown
+from surfaces.errors import as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import auto, circle, ellipse, hertz, ritz
@@ -236,14 +236,9 @@ def _require_carried(
 
 
 def _finite(values: ArrayLike | None, name: str) -> Array:
-    array = as_numbers(name, values)
-    if array.ndim > 1:
-        raise InputError(f"{name} has {array.ndim} axes; give a number or one axis of them")
-    size = np.abs(array[array != 0])
-    if not array.size or np.any((size < 1 / LARGEST) | (size > LARGEST)):
-        raise InputError(
-            f"{name} is {shown(values)}; give numbers from {1 / LARGEST:g} to {LARGEST:g}, or zero"
-        )
+    array = as_sizes(name, values)
+    if array.ndim > 1 or not array.size:
+        raise InputError(f"{name} has the shape {array.shape}; give a number or one axis of them")
     return array
 
 

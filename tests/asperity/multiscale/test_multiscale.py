@@ -217,3 +217,20 @@ def test_fine_waves_that_yield_lift_less(noise, x):
     unloading = [one.extra["unloading_stiffness"] for one in (curve, exact)]
     assert (unloading[0] >= curve.stiffness).all()
     assert np.abs(unloading[0] / unloading[1] - 1).max() < 0.4
+
+
+@pytest.mark.parametrize("x", [1e-3, np.inf])
+def test_the_lightest_loads(rough, x):
+    """They ended in a division by zero or without a stiffness, and beside the highest separation
+    the stiffness was thirty times too large."""
+    scale = pressure_scale(rough, STEEL)
+    body = asperity.HalfSpace.from_modulus(STEEL.modulus, hardness=x * scale)
+    loads = scale * np.append([1e-25, 1e-22, 1e-18, 1e-12], np.geomspace(1e-9, 1e-5, 20))
+    curve = asperity.contact_curve(rough, body, pressures=loads)
+    known = curve.converged
+    assert known[2:].all()
+    area, stiffness = curve.contact_area[known], curve.stiffness[known]
+    assert (np.diff(area) > 0.0).all()
+    assert (np.diff(curve.separation[known]) <= 0.0).all()
+    assert (stiffness[1:] > 0.8 * stiffness[:-1]).all()
+    assert (np.diff(np.log(stiffness / curve.mean_pressure[known])) < 1.0).all()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 
 import numpy as np
 import pytest
@@ -75,3 +76,20 @@ def test_vanishing_fine_waves_leave_the_contacts_as_they_are():
     law = dataclasses.replace(FINE, variance=1e-12 * FINE.variance, energy=1e-6 * FINE.energy)
     assert law.remaining(3e8, 0.1) == pytest.approx(1.0, abs=1e-9)
     assert law.stored(3e8, 0.1) == pytest.approx(law.energy, rel=1e-6)
+
+
+@pytest.mark.parametrize("hardness", [np.inf, 1e3])
+def test_light_contacts_touch_in_proportion_to_their_pressure(hardness):
+    """Shares below 1e-5 were lost in the rounding of a difference from one."""
+    pressure = np.geomspace(1e-20, 1e2, 12)
+    kept = dataclasses.replace(FINE, hardness=hardness).remaining(pressure, 0.0)
+    np.testing.assert_allclose(kept / pressure, kept[-1] / pressure[-1], rtol=1e-6)
+
+
+def test_the_lift_grows_steadily_to_the_lightest_load():
+    law = dataclasses.replace(FINE, rms=(0.9e-8, 1e-8))
+    shares = np.array([1e-40, 1e-25, 1e-17, 1e-15])
+    for lift in (partial(law.lift, 1e-9), law.bearing_lift):
+        found = np.array([lift(share) for share in shares])
+        assert 0.0 < found[-1] < found[0] < 2.0 * found[-1]
+        assert (np.diff(found) < 0.0).all()
