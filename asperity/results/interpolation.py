@@ -33,9 +33,9 @@ those asked for by the tolerance of the solve, and the latter must be within the
 
 
 QUESTIONS = {
-    "pressure": ("mean_pressure", "Pa"),
-    "load": ("load", "N"),
-    "separation": ("separation", "m"),
+    "pressure": ("mean_pressure", " Pa"),
+    "load": ("load", " N"),
+    "separation": ("separation", " m"),
     "area_fraction": ("area_fraction", ""),
 }
 """Column and unit of what a curve can be read off at."""
@@ -127,8 +127,8 @@ def read_off(
     inside = (place >= rising[0] - slack) & (place <= rising[-1] + slack)
     if not np.all(inside):
         raise InputError(
-            f"{name} {asked[~inside].flat[0]:.4g} {unit} lies outside the converged curve, "
-            f"{low:.4g} to {high:.4g} {unit}; add load points there"
+            f"{name} {asked[~inside].flat[0]:.4g}{unit} lies outside the converged curve, "
+            f"{low:.4g} to {high:.4g}{unit}; add load points there"
         )
     key = place if column == "mean_pressure" else _inverse(log_p, rising, place)
 
