@@ -109,9 +109,9 @@ def curve_verdict(name: str, curve: ContactCurve) -> str:
         return f"{told(low, unit)} to {told(high, unit)}" if len(order) > 1 else told(low, unit)
 
     text = (
-        f"At mean pressures of {span(curve.mean_pressure, 'Pa')}, "
-        f"{span(curve.area_fraction, '%', 100.0)} of the nominal area touches, at separations of "
-        f"{span(curve.separation, 'm')} ({name}). "
+        f"At {'mean pressures' if len(order) > 1 else 'a mean pressure'} of {span(curve.mean_pressure, 'Pa')}, "
+        f"{span(curve.area_fraction, '%', 100.0)} of the nominal area touches, at "
+        f"{'separations' if len(order) > 1 else 'a separation'} of {span(curve.separation, 'm')} ({name}). "
     )
     worst = np.nanmax(np.append(curve.error_estimate[order], -np.inf))
     if np.isfinite(worst):
@@ -123,7 +123,9 @@ def curve_verdict(name: str, curve: ContactCurve) -> str:
         met = "is met" if verified["met"] else "is NOT met"
         text += f"The accuracy asked for, {load} in load and {area} in area, {met}. "
     bad = len(curve) - int(np.count_nonzero(curve.converged))
-    return text + (f"{bad} of {len(curve)} load points did not converge." if bad else "")
+    if bad:
+        text += f"{bad} of {len(curve)} load points did not converge."
+    return text.rstrip()
 
 
 def _named(curves: Mapping[str, ContactCurve]) -> dict[str, ContactCurve]:

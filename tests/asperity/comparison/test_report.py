@@ -14,7 +14,7 @@ from pages import BROWSER, Page, browsed
 
 import asperity
 from asperity.comparison.report.build import write_report
-from asperity.comparison.report.sample import Sample, read_sample
+from asperity.comparison.report.sample import Sample, curve_verdict, read_sample
 from asperity.comparison.result import Comparison
 from asperity.errors import InputError
 from asperity.results.storage import ResultFile, write_results
@@ -55,6 +55,13 @@ def test_the_page_needs_nothing_else(page):
 
 def test_the_verdict_comes_first(page, comparison):
     assert 0 < page.shown.index(comparison.verdict()) < page.shown.index("Load against separation")
+
+
+def test_the_verdict_of_one_load_speaks_of_one(comparison):
+    curve = comparison.bem
+    assert re.match("At mean pressures of .*, at separations of ", curve_verdict("bem", curve))
+    text = curve_verdict("bem", curve.select([1]))
+    assert re.match("At a mean pressure of .*, at a separation of ", text) and text[-1] == "."
 
 
 def test_text_of_files_is_escaped(page):
