@@ -100,18 +100,17 @@ def curve_verdict(name: str, curve: ContactCurve) -> str:
     if not points.size:
         return f"No load point of the curve ({name}) converged under load."
     order = points[np.argsort(curve.mean_pressure[points])]
-    ends = [order[0], order[-1]]
 
     def span(values: Any, unit: str, scale: float = 1.0) -> str:
-        low, high = (float(values[i]) * scale for i in ends)
-        if unit == "%":
-            return f"{low:.3g} % to {high:.3g} %" if len(order) > 1 else f"{low:.3g} %"
-        return f"{told(low, unit)} to {told(high, unit)}" if len(order) > 1 else told(low, unit)
+        ends = [float(values[i]) * scale for i in order[[0, -1]][: len(order)]]
+        return " to ".join(f"{v:.3g} %" if unit == "%" else told(v, unit) for v in ends)
 
+    one = len(order) == 1
     text = (
-        f"At {'mean pressures' if len(order) > 1 else 'a mean pressure'} of {span(curve.mean_pressure, 'Pa')}, "
-        f"{span(curve.area_fraction, '%', 100.0)} of the nominal area touches, at "
-        f"{'separations' if len(order) > 1 else 'a separation'} of {span(curve.separation, 'm')} ({name}). "
+        f"At {'a mean pressure' if one else 'mean pressures'} of "
+        f"{span(curve.mean_pressure, 'Pa')}, {span(curve.area_fraction, '%', 100.0)} of the "
+        f"nominal area touches, at {'a separation' if one else 'separations'} of "
+        f"{span(curve.separation, 'm')} ({name}). "
     )
     worst = np.nanmax(np.append(curve.error_estimate[order], -np.inf))
     if np.isfinite(worst):

@@ -58,7 +58,7 @@ def test_the_verdict_comes_first(page, comparison):
 
 
 def test_the_verdict_of_one_load_speaks_of_one(comparison):
-    curve = comparison.bem
+    curve = comparison.reference
     assert re.match("At mean pressures of .*, at separations of ", curve_verdict("bem", curve))
     text = curve_verdict("bem", curve.select([1]))
     assert re.match("At a mean pressure of .*, at a separation of ", text) and text[-1] == "."
