@@ -122,7 +122,10 @@ class ContactCurve(CurveTable):
             "separation": separation,
             "area_fraction": area_fraction,
         }
-        columns = {name: getattr(self, name) for name in READ_FIELDS}
+        columns = {name: getattr(self, name) for name in (*READ_FIELDS, "error_estimate")}
+        columns |= {
+            name: self.extra[name] for name in ("area_error_estimate",) if name in self.extra
+        }
         return read_off(columns, self.converged, asked)
 
     def select(self, points: ArrayLike) -> ContactCurve:
