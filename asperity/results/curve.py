@@ -23,6 +23,7 @@ __all__ = ["ContactCurve", "at_heaviest", "read_results"]
 
 HEADLINE = (
     "mean_pressure",
+    "load",
     "area_fraction",
     "separation",
     "mean_contact_pressure",
