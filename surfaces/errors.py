@@ -166,7 +166,8 @@ def checked_heights(heights: Any) -> NDArray[np.float64]:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error
     if array.ndim != 2 or min(array.shape) < 3:
         raise SurfaceError(
-            f"heights have shape {array.shape}; a height map needs two axes of at least 3 points"
+            f"heights have shape {array.shape}; a height map needs two axes of at least 3 points "
+            "(a profile line makes a map with a perfect lay: numpy.tile(line, (rows, 1)))"
         )
     checked_range(
         float(np.fmin.reduce(array, axis=None)), float(np.fmax.reduce(array, axis=None)), array

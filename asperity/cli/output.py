@@ -149,7 +149,8 @@ def finish(
             derived.write_slip(curve, material, args)
     finally:
         lines = [
-            f"{name}     {' '.join(f'{v:.4g}' for v in values)}" for name, values in more.items()
+            f"{name}     {' '.join(f'{v:.4g}' for v in values)} S/m^2 or W/(m^2 K)"
+            for name, values in more.items()
         ]
         silent = replace(curve, settings={**curve.settings, "warnings": []})  # told before
         tell("\n".join([args.file, str(silent), *lines, f"results         {args.output}"]))

@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 PICTURES = ("plot", "fans")
 """Options of pictures, whose format follows from the suffix."""
 
-SUFFIXES = (".csv", ".h5", ".html", ".npz", ".txt", ".vti")
-"""Suffixes of what commands write but for pictures: none is the name of another."""
+SUFFIXES = (".csv", ".h5", ".html", ".npz", ".txt", ".vti", ".xlsx")
+"""Suffixes of what commands write but for pictures, and of what may be taken for a table: none is
+the name of another."""
 
 
 @dataclass(frozen=True)

@@ -91,13 +91,11 @@ def hardness_needed(hm: HeightMap, material: HalfSpace) -> tuple[str, list[str]]
     share = slope / AREA_OVER_LOAD
     told = f"elastic contacts carry about {mean:.2g} Pa, {100 * share:.2g} % of the modulus"
     metal = material.m == 0.0 and METALS[0] < material.modulus < METALS[1]
-    if not (metal and share > HARDEST):
-        return f"hardness: none, {told}", []
-    told += (
-        ": metals yield at 0.3 to 3 % of it, and then touch on more area; give the hardness of the "
-        "softer body (hardness=, --hardness) if it is one"
+    doubt = (
+        f"{told}: metals yield at 0.3 to 3 % of it, and then touch on more area; give the hardness "
+        "of the softer body (hardness=, --hardness) if it is one"
     )
-    return f"hardness: none, {told}", [told]
+    return f"hardness: none, {told}", [doubt] if metal and share > HARDEST else []
 
 
 def _steep_warning(slope: float) -> list[str]:

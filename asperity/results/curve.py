@@ -23,6 +23,7 @@ __all__ = ["ContactCurve", "at_heaviest", "read_results"]
 
 HEADLINE = (
     "mean_pressure",
+    "load",
     "area_fraction",
     "separation",
     "mean_contact_pressure",
@@ -122,7 +123,10 @@ class ContactCurve(CurveTable):
             "separation": separation,
             "area_fraction": area_fraction,
         }
-        columns = {name: getattr(self, name) for name in READ_FIELDS}
+        columns = {name: getattr(self, name) for name in (*READ_FIELDS, "error_estimate")}
+        columns |= {
+            name: self.extra[name] for name in ("area_error_estimate",) if name in self.extra
+        }
         return read_off(columns, self.converged, asked)
 
     def select(self, points: ArrayLike) -> ContactCurve:

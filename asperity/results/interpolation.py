@@ -33,9 +33,9 @@ those asked for by the tolerance of the solve, and the latter must be within the
 
 
 QUESTIONS = {
-    "pressure": ("mean_pressure", "Pa"),
-    "load": ("load", "N"),
-    "separation": ("separation", "m"),
+    "pressure": ("mean_pressure", " Pa"),
+    "load": ("load", " N"),
+    "separation": ("separation", " m"),
     "area_fraction": ("area_fraction", ""),
 }
 """Column and unit of what a curve can be read off at."""
@@ -60,6 +60,9 @@ class CurvePoint:
     ----------
     separation, mean_pressure, load, area_fraction, contact_area, contacts, stiffness
         As in `ContactCurve`, interpolated between the converged load points.
+    error_estimate, area_error_estimate
+        Stated relative errors of load and area of the load points beside it, likewise; what the
+        interpolation misses is not in them. NaN where none is stated.
     """
 
     separation: Any
@@ -69,6 +72,8 @@ class CurvePoint:
     contact_area: Any
     contacts: Any
     stiffness: Any
+    error_estimate: Any = np.nan
+    area_error_estimate: Any = np.nan
 
     @property
     def mean_contact_pressure(self) -> Any:
@@ -76,7 +81,9 @@ class CurvePoint:
         return contact_pressure(self.load, self.contact_area)[()]
 
 
-READ_FIELDS = tuple(field.name for field in fields(CurvePoint))
+STATED = ("error_estimate", "area_error_estimate")
+
+READ_FIELDS = tuple(field.name for field in fields(CurvePoint) if field.name not in STATED)
 """Columns of a curve that can be read off between its points."""
 
 POINT_FIELDS = (*READ_FIELDS, "converged", "residual", "error_estimate")
@@ -98,7 +105,8 @@ def read_off(
     """Interpolate a curve, see `ContactCurve.at`.
 
     Its columns `READ_FIELDS`, shape (n,) each, are read between the points that converged, where
-    `questions` says by the names of `QUESTIONS`; all but one of these are None.
+    `questions` says by the names of `QUESTIONS`; all but one of these are None. The errors `STATED`
+    may be among the columns.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -127,8 +135,8 @@ def read_off(
     inside = (place >= rising[0] - slack) & (place <= rising[-1] + slack)
     if not np.all(inside):
         raise InputError(
-            f"{name} {asked[~inside].flat[0]:.4g} {unit} lies outside the converged curve, "
-            f"{low:.4g} to {high:.4g} {unit}; add load points there"
+            f"{name} {asked[~inside].flat[0]:.4g}{unit} lies outside the converged curve, "
+            f"{low:.4g} to {high:.4g}{unit}; add load points there"
         )
     key = place if column == "mean_pressure" else _inverse(log_p, rising, place)
 
@@ -148,6 +156,9 @@ def read_off(
     found["mean_pressure"] = np.exp(key)[()]
     if column != "mean_pressure":  # what was asked for comes back
         found[column] = asked[()]
+    for name in STATED:
+        if name in columns:
+            found[name] = np.interp(key, log_p, columns[name][order])[()]
     return CurvePoint(**found)
 
 

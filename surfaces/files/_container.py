@@ -49,7 +49,9 @@ def opened(path: Path) -> h5py.File:
     if not path.exists():
         raise FileFormatError(f"{path}: no such file")
     if not path.is_file():
-        raise FileFormatError(f"{path}: this is not a file")
+        raise FileFormatError(
+            f"{path}: this is not a file; of a folder give the maps in it, such as {path / '*.h5'}"
+        )
     with naming_damage(path, "cannot be opened, truncated or damaged HDF5"):
         if not h5py.is_hdf5(path):
             raise FileFormatError(
@@ -87,6 +89,10 @@ def find(file: h5py.File, path: Path, name: str | None) -> h5py.Dataset:
             f"({brief(error)}); name the heights with --dataset (dataset=...)"
         ) from error
     if not isinstance(found, h5py.Dataset):
+        if isinstance(file.get("curves"), h5py.Group):
+            raise FileFormatError(
+                f"{path}: this holds the results of a run and no height map; give the map"
+            )
         raise FileFormatError(
             f"{path}: no dataset {wanted!r}; the file holds {_list_arrays(file)}; "
             "name the heights with --dataset (dataset=...)"

@@ -81,7 +81,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         across, along = _window(hm.y, hm.size[0], strip), _window(hm.x, hm.size[1], strip)
         made = hm.with_rows(_faded(hm.source, across, along))
         kept = np.count_nonzero(across == 1.0) * np.count_nonzero(along == 1.0)
-        changed = (hm.source.size - kept) / hm.source.size
+        changed = float(hm.source.size - kept) / hm.source.size
         step["width"] = strip
     elif how == "smooth":
         carrier = _seam_carrier(hm.source)

@@ -232,4 +232,7 @@ def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float
 
 
 def _listed(values: dict[str, float]) -> str:
-    return ", ".join(f"{name} {value:.4g}" for name, value in values.items())
+    return ", ".join(
+        f"{name} {value:.4g} {PARAMETERS[name][0].strip('-')}".rstrip()
+        for name, value in values.items()
+    )

@@ -84,6 +84,11 @@ def test_json_is_all_that_standard_output_holds(command, capsys):
     assert bad["file"] == "map2.h5" and bad["reason"]
 
 
+def test_the_table_tells_the_load_that_was_asked_for():
+    assert main(["curve", "map1.h5", *STEEL, "--load", "0.5N", "--table", "t.csv"]) == 0
+    assert float(rows("t.csv")[0]["load"]) == pytest.approx(0.5)
+
+
 @pytest.mark.parametrize("command", ["curve", "bem", "solve"])
 def test_the_json_of_a_curve_is_the_curve_and_tells_null_for_no_number(command, capsys):
     """Also for the infinite stiffness of full contact."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import h5py
@@ -149,7 +150,7 @@ def test_conductance_and_partial_slip_from_the_curve(command, folder, capsys):
     options = ["--pressure", "1e8:1e7:4", "--csv", "c.csv", "--resistivity", "1e-7", "3e-7"]
     options += ["--friction", "0.3", "--slip", "slip.csv"]
     assert main([command, "rough.h5", *STEEL, *options]) == 0
-    assert "conductance" in capsys.readouterr().out
+    assert re.search(r"conductance( +\S+){4} S/m\^2 or W/\(m\^2 K\)\n", capsys.readouterr().out)
     table, slip = (np.genfromtxt(n, delimiter=",", names=True) for n in ("c.csv", "slip.csv"))
     modulus = 210e9 / (1 - 0.3**2)
     np.testing.assert_allclose(table["conductance"], 2 * table["stiffness"] / (modulus * 4e-7))

@@ -54,6 +54,7 @@ def test_no_output_replaces_the_input_or_what_is_there(command, option, folder, 
     [
         (["curve", "scan.h5", *STEEL, "-o", "a.csv"], ".h5"),
         (["curve", "scan.h5", *STEEL, "--csv", "a.h5"], ".csv"),
+        (["curve", "scan.h5", *STEEL, "--csv", "a.xlsx"], ".csv"),
         (["curve", "scan.h5", *STEEL, "--fields", "a.csv"], ".vti"),
         (["compare", "scan.h5", *STEEL, "--report", "a.csv"], ".html"),
         (["surface", "info", "scan.h5", "--table", "a.h5"], ".csv"),

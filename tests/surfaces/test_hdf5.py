@@ -282,7 +282,7 @@ def test_truncated_files(stored: Path, keep: float) -> None:
 def test_not_a_file(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match="no such file"):
         surfaces.read(tmp_path / "none.h5")
-    with pytest.raises(FileFormatError, match="not a file"):
+    with pytest.raises(FileFormatError, match=r"of a folder give the maps in it.*\*\.h5"):
         surfaces.read(tmp_path)
     assert "no such file" in str(surfaces.validate(tmp_path / "none.h5")[0])
     (tmp_path / "text.h5").write_text("not HDF5 at all")
@@ -298,6 +298,13 @@ def test_links_that_lead_nowhere_are_no_damage(tmp_path: Path, link: object) -> 
         file["heights"] = link
     with pytest.raises(FileFormatError, match=r"is a link to .* leads nowhere .*--dataset"):
         surfaces.read(tmp_path / "a.h5")
+
+
+def test_results_are_no_height_map(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "results.h5", "w") as file:
+        file["curves/bem/load"] = np.zeros(3)
+    with pytest.raises(FileFormatError, match=r"results of a run and no height map; give the map$"):
+        surfaces.read(tmp_path / "results.h5")
 
 
 def test_links_into_other_files_are_not_followed(stored: Path, tmp_path: Path) -> None:

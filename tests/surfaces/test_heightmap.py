@@ -30,7 +30,7 @@ def test_a_masked_point_is_missing():
     [
         (GRID + 1j, "complex"),
         ("heights", "real numbers"),
-        (GRID[0], "two axes of at least 3 points"),
+        (GRID[0], "two axes of at least 3 points.*profile line.*numpy.tile"),
         (GRID[:2], "two axes of at least 3 points"),
         (np.full((4, 5), np.nan), "every point"),
         (np.ma.masked_all((4, 5)), "every point"),

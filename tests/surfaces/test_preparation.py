@@ -143,7 +143,7 @@ def test_mirror_has_no_cliff_and_taper_fades() -> None:
     tapered = surfaces.make_periodic(hm, "taper", width=2e-5)
     step = tapered.history[-1]
     assert step["seam_step"] < step["inner_step"]
-    assert 0.0 < step["area_changed"] < 0.5
+    assert 0.0 < step["area_changed"] < 0.5 and "np." not in str(step)
     inside = (slice(12, -12), slice(8, -8))
     np.testing.assert_allclose(tapered.heights[inside], hm.heights[inside], atol=1e-22)
     step = surfaces.make_periodic(hm, "smooth").history[-1]

@@ -26,6 +26,8 @@ def test_a_sine_has_its_textbook_numbers() -> None:
     hm = hm.replace(heights=amplitude * np.sin(k * hm.x) + 0 * hm.y[:, None])
     found = surfaces.describe(hm)
     assert found.heights["Sq"] == pytest.approx(amplitude / np.sqrt(2))
+    assert f"Sq {found.heights['Sq']:.4g} m, " in str(found) and " 1/m^2, Spc " in str(found)
+    assert f"Sku {found.heights['Sku']:.4g}, " in str(found)
     assert found.heights["Sa"] == pytest.approx(2 * amplitude / np.pi, rel=1e-4)
     assert found.heights["Ssk"] == pytest.approx(0.0, abs=1e-9)
     assert found.heights["Sku"] == pytest.approx(1.5)

@@ -100,13 +100,10 @@ def curve_verdict(name: str, curve: ContactCurve) -> str:
     if not points.size:
         return f"No load point of the curve ({name}) converged under load."
     order = points[np.argsort(curve.mean_pressure[points])]
-    ends = [order[0], order[-1]]
 
     def span(values: Any, unit: str, scale: float = 1.0) -> str:
-        low, high = (float(values[i]) * scale for i in ends)
-        if unit == "%":
-            return f"{low:.3g} % to {high:.3g} %" if len(order) > 1 else f"{low:.3g} %"
-        return f"{told(low, unit)} to {told(high, unit)}" if len(order) > 1 else told(low, unit)
+        ends = [float(values[i]) * scale for i in order[[0, -1]][: len(order)]]
+        return " to ".join(f"{v:.3g} %" if unit == "%" else told(v, unit) for v in ends)
 
     loads, places = "mean pressures", "separations"
     if len(order) == 1:
@@ -126,7 +123,9 @@ def curve_verdict(name: str, curve: ContactCurve) -> str:
         met = "is met" if verified["met"] else "is NOT met"
         text += f"The accuracy asked for, {load} in load and {area} in area, {met}. "
     bad = len(curve) - int(np.count_nonzero(curve.converged))
-    return text + (f"{bad} of {len(curve)} load points did not converge." if bad else "")
+    if bad:
+        text += f"{bad} of {len(curve)} load points did not converge."
+    return text.rstrip()
 
 
 def _named(curves: Mapping[str, ContactCurve]) -> dict[str, ContactCurve]:

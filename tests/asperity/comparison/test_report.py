@@ -57,6 +57,13 @@ def test_the_verdict_comes_first(page, comparison):
     assert 0 < page.shown.index(comparison.verdict()) < page.shown.index("Load against separation")
 
 
+def test_the_verdict_of_one_load_speaks_of_one(comparison):
+    curve = comparison.reference
+    assert re.match("At mean pressures of .*, at separations of ", curve_verdict("bem", curve))
+    text = curve_verdict("bem", curve.select([1]))
+    assert re.match("At a mean pressure of .*, at a separation of ", text) and text[-1] == "."
+
+
 def test_text_of_files_is_escaped(page):
     assert EVIL in page.shown and "<b>sanded</b>: unit <i>um</i>" in page.shown
     assert {tag for tag, _ in page.tags}.isdisjoint({"b", "i"})

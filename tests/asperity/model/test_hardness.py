@@ -99,6 +99,7 @@ def test_the_plan_tells_what_the_hardness_means():
     hm = smooth()
     plan = asperity.make_plan(hm, body(np.inf))
     assert any("metals yield" in warning for warning in plan.warnings)
+    assert str(plan).count("metals yield") == 1
     hard = asperity.make_plan(hm, body(2e9))
     assert not any("metals" in warning for warning in hard.warnings)
     assert any(reason.startswith("hardness: 2e+09 Pa") for reason in hard.reasons)
