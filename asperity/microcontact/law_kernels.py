@@ -230,11 +230,17 @@ def _slope(c0, c1, c2, c3, j, power, v):
 
 
 @inner()
-def _tip_exponents(first, second, power, exponent):
-    """Exponents over v of force, area and moment of a tip that is no paraboloid, from the forces at
-    the first two nodes: that of force lies between those of a punch and of a cone."""
-    rise = min(max(math.log2(second / first), 2.0), 2.0 * power - 2.0)
-    return rise, 2.0 * (rise - 2.0) / (power - 2.0), exponent * (rise - 2.0)
+def _tip_exponents(force, area, power, exponent):
+    """Exponents over v of force, area and moment of a tip that is no paraboloid, from the values at
+    the first two nodes: that of force lies between those of a punch and of a cone.
+
+    The area of an elastic tip grows as the force tells, and at the hardness in proportion to it.
+    """
+    rise = min(max(math.log2(force[2] / force[1]), 2.0), 2.0 * power - 2.0)
+    spot = 2.0 * (rise - 2.0) / (power - 2.0)
+    if area[2] > area[1]:
+        spot = max(spot, min(math.log2(area[2] / area[1]), rise))
+    return rise, spot, exponent * (rise - 2.0)
 
 
 @compiled()
@@ -261,7 +267,7 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
             d1 = stiffness[r, j + 1] * width * v / _power(v, power) - power * s1 / v
             table[r, j + 1, AREA] = area[r, j + 1] / (v * v)
             if j == 0 and abs(d1) > BLUNT * s1 and 0.0 < force[r, 1] < force[r, 2]:
-                rise, spot, wide = _tip_exponents(force[r, 1], force[r, 2], power, exponent)
+                rise, spot, wide = _tip_exponents(force[r], area[r], power, exponent)
                 # one by one: a row filled by a tuple takes 1 s more to compile
                 tips[r, 0], tips[r, 1], tips[r, 2] = rise, spot, wide
                 variance = _power(factor * rise * s1 / width, exponent)

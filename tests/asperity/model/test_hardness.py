@@ -55,6 +55,18 @@ def test_a_soft_body_is_pressed_as_its_bearing_curve_tells(hm):
     assert (found.extra["plastic_share"] > 0.9).all()
 
 
+@pytest.mark.parametrize("scales", ["auto", "all"])
+def test_a_soft_body_carries_the_lightest_loads_at_its_hardness(scales):
+    """Near the tip its contacts kept their area as a punch does: 11 times the load over hardness at
+    a millionth of the hardness, 1e9 times at 1e-14."""
+    hm, material = smooth(), body(1e-4 * 0.1 * 2e11)
+    pressures = np.geomspace(1e-14, 1e-4, 6) * material.hardness
+    found = asperity.contact_curve(hm, material, pressures=pressures, scales=scales)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.area_fraction * material.hardness, pressures, rtol=0.02)
+    assert (np.diff(found.separation) < 0).all()
+
+
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.3])
 def test_the_area_carries_the_load_and_grows_as_the_body_gets_softer(m):
     hm = smooth()
