@@ -101,7 +101,7 @@ class Case:
         solved = [row.solution for row in self.rows if row.solution is not None]
         if not solved:
             return []
-        best = min(solved, key=lambda one: float(one.error_estimate))
+        best = min(solved, key=lambda one: np.nan_to_num(float(one.error_estimate), nan=np.inf))
         lines = [f"{100 * float(best.saturated):.3g} % of the area at the hardness ({best.law})"]
         for name, words in (("first_yield", "first yield"), ("fully_plastic", "fully plastic")):
             depth, force = getattr(best, name)

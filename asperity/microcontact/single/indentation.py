@@ -51,7 +51,8 @@ class Indentation:
     flags
         Bits of `asperity.microcontact.Flag`.
     error_estimate
-        Relative error of the force expected from the difference of neighbouring laws.
+        Relative error of the force expected from the difference of neighbouring laws; NaN where it
+        is not known.
     saturated
         Estimate of the share of the area at the hardness; zero without one.
 

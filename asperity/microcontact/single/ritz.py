@@ -60,6 +60,10 @@ _NEAR, _NARROW = 0.9, 0.35
 """Value of the best ellipse over that of the free rays, and half the logarithm of its axis ratio,
 from which on it stands for rays that do not settle; below, the contact is no narrow ellipse."""
 
+_LOST = 1.001
+"""The same from which on the rays are lost: an ellipse is one choice of them. What they would have
+added is then not known, nor where a contact ends with the tables."""
+
 _SMALLEST = 8.0
 """Logarithm of the limit over the smallest ellipse."""
 
@@ -195,19 +199,23 @@ def indent(
         free[i], rays[i], settled = functional.best_rays(functional.ellipse(found))
         force[i] = free[i]
         narrow = np.hypot(found[1], found[2]) > _NARROW
-        if not settled and narrow and _NEAR * free[i] < lower[i] < free[i]:
+        lost = lower[i] > _LOST * free[i]
+        if lost or (not settled and narrow and lower[i] > _NEAR * free[i]):
             force[i], found = functional.refined_ellipse(found)
             rays[i] = functional.ellipse(found)
         missed[i] = functional.missed(rays[i])
         stopped[i] = np.max(rays[i]) >= functional.limit
+        if lost or stopped[i]:
+            free[i] = np.nan
     unit = np.where(np.isfinite(start) & (start > 0), start, 1.0)
     rays *= unit[:, None]
-    force, lower, free = (part * depth * unit ** (1 + m) for part in (force, lower, free))
+    scale = np.maximum(depth, 0.0) * unit ** (1 + m)
+    force, lower, free = (part * scale for part in (force, lower, free))
     phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
     area = np.pi * np.mean(rays**2, axis=1)
     around = 2 * np.pi * np.mean(np.abs(rays) ** (1 - m), axis=1)
     stiffness = np.divide(
-        4 * material.modulus * area, (1 + m) * around, out=np.zeros_like(area), where=around > 0
+        4 * material.modulus * area, (1 + m) * around, out=np.zeros_like(area), where=around != 0
     )
     flags = contour_flags(np.sqrt(area / np.pi), rays) | profile_flags(profile, depth, phi, rays)
     flags[stopped] |= np.uint8(Flag.BEYOND_RADIUS)
