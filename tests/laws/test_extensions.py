@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asperity import HalfSpace, InputError, ModelRangeError
+from asperity import HalfSpace, InputError, ModelRangeError, indent
 from asperity.extensions.partial_slip import partial_slip, tangential_modulus
 from asperity.extensions.viscoelastic import Relaxation, viscoelastic_indent
 from asperity.microcontact.single.punch import flat_punch
@@ -52,6 +52,34 @@ def test_square_punch_has_the_stiffness_of_the_theory():
 def test_punch_without_its_origin_is_refused():
     with pytest.raises(InputError, match="must contain the origin"):
         flat_punch(lambda phi: np.cos(phi), HalfSpace.from_modulus(1.0))
+
+
+@pytest.mark.parametrize("edge", [None, "a", [], [[1.0, 2.0], [3.0, 4.0]], 1e-200])
+def test_an_unusable_planform_is_refused(edge):
+    with pytest.raises(InputError):
+        flat_punch(edge, HalfSpace.from_modulus(1.0))
+
+
+def test_punch_of_a_function_that_is_constant():
+    one = flat_punch(lambda phi: 0.3, HalfSpace.from_modulus(1.0))
+    assert one.stiffness == pytest.approx(0.6, rel=1e-12)
+
+
+def test_a_lifted_punch_has_no_pressure():
+    punch = flat_punch(0.3, HalfSpace.from_modulus(1.0))
+    assert punch.force(-1.0) == 0.0
+    np.testing.assert_array_equal(punch.pressure([0.0, 0.3], 0.0, -1.0), 0.0)
+
+
+@pytest.mark.parametrize("wrong", ["a", None, np.nan])
+def test_fields_of_a_contact_refuse_what_is_no_number(wrong):
+    material = HalfSpace.from_modulus(1.0)
+    punch, one = flat_punch(0.3, material), indent(PowerLawProfile(2.0, 0.5), material, 0.01)
+    for call in (punch.force, lambda d: punch.pressure(0.0, 0.0, d), one.contour):
+        with pytest.raises(InputError, match="must be"):
+            call(wrong)
+    with pytest.raises(InputError, match="must be"):
+        one.pressure(wrong, 0.0)
 
 
 def test_tangential_modulus_of_equal_bodies():

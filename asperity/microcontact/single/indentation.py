@@ -12,6 +12,7 @@ from scipy.ndimage import minimum_filter
 
 from asperity.errors import INVALID, Flag, InputError
 from asperity.halfspace.material import HalfSpace
+from surfaces.errors import as_numbers
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["Indentation", "contour_flags", "profile_flags"]
@@ -122,7 +123,7 @@ class Indentation:
 
     def contour(self, phi: ArrayLike) -> Array:
         """Boundary a(phi) [m] of the contact, shape `(*approach.shape, *phi.shape)`."""
-        angle = np.asarray(phi, dtype=float)
+        angle = as_numbers("phi", phi)
         values = self.contour_function(angle.ravel())
         return values.reshape(self.approach.shape + angle.shape)
 
@@ -143,7 +144,7 @@ class Indentation:
         InputError
             If the law has no history integral.
         """
-        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        x, y = np.broadcast_arrays(as_numbers("x", x), as_numbers("y", y))
         law = self.history_function if history else self.pressure_function
         if law is None:
             raise InputError(f"the law {self.law!r} has no history integral of the pressure")

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
-from surfaces.errors import as_numbers
+from surfaces.errors import LARGEST, as_numbers, shown
 
 from .basis import corner_rule
 
@@ -65,16 +65,19 @@ class FlatPunch:
 
     def force(self, approach: ArrayLike) -> Array:
         """Normal force [N] at the approach [m]; none at or below zero."""
-        return np.asarray(self.stiffness * np.maximum(np.asarray(approach, float), 0.0))
+        return np.asarray(self.stiffness * np.maximum(as_numbers("approach", approach), 0.0))
 
     def pressure(self, x: ArrayLike, y: ArrayLike, approach: float = 1.0) -> Array:
         """Pressure [Pa] at the points (x, y) [m] (broadcast), infinite at the edge."""
-        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        x, y = np.broadcast_arrays(as_numbers("x", x), as_numbers("y", y))
+        depth = as_numbers("approach", approach)
         m = self.material.m
         rho = np.hypot(x, y) / self.edge(np.arctan2(y, x))
         inside = np.where(rho < 1, (1 - rho) * (1 + rho), 1.0)
         field = 2 * self.material.modulus / self.moment * inside ** ((m - 1) / 2)
-        return np.asarray(approach * np.where(rho < 1, field, np.where(rho == 1, np.inf, 0.0)))
+        values = np.where(rho < 1, field, np.where(rho == 1, np.inf, 0.0))
+        none = np.zeros(np.broadcast_shapes(depth.shape, rho.shape))
+        return np.multiply(depth, values, out=none, where=depth > 0)
 
 
 def flat_punch(
@@ -115,7 +118,7 @@ def flat_punch(
     if kinks.size:
         phi, weight = (part.ravel() for part in corner_rule(kinks, _PANEL))
     a = function(phi)
-    if not np.all(np.isfinite(a) & (a > 0)):
+    if not np.all((a >= 1 / LARGEST) & (a <= LARGEST)):
         raise InputError("the planform must contain the origin: a(phi) > 0 at every angle")
     m = material.m
     moment = float(weight @ a ** (1 - m))
@@ -126,10 +129,12 @@ def flat_punch(
 
 def _boundary(edge: Callable[[Array], ArrayLike] | ArrayLike) -> Callable[[Array], Array]:
     if callable(edge):
-        return lambda phi: np.asarray(edge(phi), dtype=float)
-    values = as_numbers("edge", edge).ravel()
-    if not values.size:
-        raise InputError("edge is empty; give a radius, or several at equispaced angles")
+        return lambda phi: np.broadcast_to(as_numbers("edge", edge(phi), finite=False), phi.shape)
+    values = np.atleast_1d(as_numbers("edge", edge))
+    if values.ndim > 1 or not values.size:
+        raise InputError(
+            f"edge is {shown(edge)}; give a radius, several at equispaced angles, or a function"
+        )
     turn = 2 * np.pi * np.arange(values.size + 1) / values.size
     closed = np.append(values, values[0])
     return lambda phi: np.interp(np.mod(phi, 2 * np.pi), turn, closed)
