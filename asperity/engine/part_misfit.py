@@ -180,8 +180,10 @@ def _on_part(
 ) -> Array:
     """Misfit on a part at some loads [Pa] by the plan of the whole map, shape (4, n), see `Judged`;
     of what the finer waves change in the separation, where the long ones are solved alone."""
+    level, part = part.roughness.mean, part.about_mean
+    among = plan.among and plan.among.lowered(level - part.roughness.mean)
     waves = _resampled(part, plan)
-    cell = replace(plan.whole, boundary="periodic")
+    cell = replace(plan.whole, boundary="periodic", among=among)
     own = replace(
         cell,
         sub_contact_law=plan.sub_contact_law,
@@ -256,7 +258,7 @@ def corner(hm: HeightMap, side: int) -> tuple[int, int]:
 
 
 def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
-    """One part of a map about its mean height, made periodic."""
+    """One part of a map, made periodic."""
     rows, columns = (
         (first + np.arange(n * k // side, n * (k + 1) // side)) % n
         for first, n, k in zip(corner(hm, side), hm.shape, divmod(place, side), strict=True)
@@ -264,7 +266,7 @@ def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
     heights = [(0, hm.source[rows][:, columns])]
     shape = len(rows), len(columns)
     part = hm.with_rows(heights, shape, periodic=False, step={"step": "part", "place": place})
-    return make_periodic(part, "smooth").about_mean
+    return make_periodic(part, "smooth")
 
 
 def _resampled(part: HeightMap, plan: Plan) -> HeightMap:

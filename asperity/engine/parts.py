@@ -7,6 +7,7 @@ parts tell it, at a fraction of the cost. The longest waves, which no part holds
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -137,6 +138,10 @@ def sampled(
     allowed = np.array([[accuracy.load], [accuracy.area]])
     error = PART_SHARE * accuracy.area
     judged = Judged(run.decomposition.material, error, progress)
+    among, solved_map = run.decomposition.law_factory.shares, run.decomposition.solved
+    # contacts that carry so much of a part carry less of the whole: no more is done for them
+    lower = solved_map.roughness.mean - hm.roughness.mean
+    plan = replace(plan, among=among and among.lowered(lower))
     shares = _load_shares(run, parts_along(hm, plan.solved(hm)))[:, at]
     solved: Solved = {}
 

@@ -73,15 +73,15 @@ class Decomposition:
         """Segment the map, locate the summits and prepare their laws."""
         seconds = {"plan": plan.seconds, "segmentation": 0.0, "profiles": 0.0, "laws": 0.0}
         peaks, summits = _summits(hm, plan, seconds)
-        shares = LoadShares.of(summits) if plan.law == "auto" else None
+        shares = LoadShares.of(summits, plan.among) if plan.law == "auto" else None
         if shares is not None and plan.above is not None and not shares.full:
             plan = replace(plan, above=None)  # laws may not depend on the loads that are asked for
             peaks, summits = _summits(hm, plan, seconds)
-            shares = LoadShares.of(summits)
+            shares = LoadShares.of(summits, plan.among)
         parameters, curvature, angle = plan.parameters, summits.curvature, summits.angle
         if shares is not None and parameters.corrections.joined_pairs:
             summits, curvature, angle = join(summits, shares, material, parameters)
-            shares = LoadShares.of(summits)
+            shares = LoadShares.of(summits, plan.among)
         stored = isinstance(summits.hm.source, StoredArray)
         if stored:
             shares, peaks = shares and on_disk(shares), on_disk(peaks)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,12 +74,19 @@ class LoadShares:
     first: Array
 
     @classmethod
-    def of(cls, summits: Summits) -> LoadShares:
-        """The shares of the summits of a map."""
+    def of(cls, summits: Summits, among: LoadShares | None = None) -> LoadShares:
+        """The shares of the summits of a map: of their own load, or of that of those `among` which
+        they stand."""
+        weight = _weight(summits)
+        if among is not None:
+            return replace(among, weight=weight)
         rows = np.flatnonzero(summits.valid)
         highest = rows[np.argsort(-summits.height[rows], kind="stable")[:MOST]]
-        weight = _weight(summits)
         return cls(weight, summits.height[highest], weight[highest])
+
+    def lowered(self, level: float) -> LoadShares:
+        """The same with heights above another level [m]."""
+        return replace(self, height=self.height - level)
 
     @property
     def full(self) -> bool:

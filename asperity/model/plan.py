@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.multiscale.sub_contact_law import SubContactLaw
 
+    from .law_rows import LoadShares
+
 __all__ = ["SCALES", "Plan", "interaction_needed", "make_plan", "peaks_above", "require_plan"]
 
 SCALES = ("auto", "all")
@@ -92,6 +94,9 @@ class Plan:
         The map and the material that it was made for.
     parameters
         Constants of the model.
+    among
+        Summits of whose load contacts carry a share, where the map is part of another; None: its
+        own.
 
     Examples
     --------
@@ -115,6 +120,7 @@ class Plan:
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
     parameters: Parameters = field(default=DEFAULTS, repr=False)
+    among: LoadShares | None = field(default=None, repr=False, compare=False)
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
         """Refuse the plan for a map or material whose other grid or fine law it does not hold.
@@ -137,7 +143,7 @@ class Plan:
     @property
     def whole(self) -> Plan:
         """The same choices for all heights and waves of a map, on its own grid."""
-        return replace(self, above=None, resampled=None, sub_contact_law=None)
+        return replace(self, above=None, resampled=None, sub_contact_law=None, among=None)
 
     def solved(self, hm: HeightMap) -> HeightMap:
         """The map that is solved in place of that of the plan."""
