@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.parallel import each, threads
 
-from . import _list_kernels, _tangent_kernels
+from . import _near_kernels
 
 if TYPE_CHECKING:
     from asperity.halfspace.footprint import Footprints
@@ -171,7 +171,7 @@ def near_pairs(
 
     def find(c: int, part: NDArray[np.int64]) -> None:
         place = y, x, start, cells, size, wrap, cut * cut, part, first[c]
-        number[c] = _list_kernels.half_list(*place, ptr, col, pair) - first[c]
+        number[c] = _near_kernels.half_list(*place, ptr, col, pair) - first[c]
 
     run(find, rows)  # counts them
     if number.any():
@@ -244,7 +244,7 @@ class TwoLevelPreconditioner:
         total = np.asarray(np.bincount(cell, stiffness, self.count**2), float)
         far = -self.kernel
         # LAPACK wakes its own threads for this, which then keep a processor from ours for 30 ms
-        _tangent_kernels.stiffened(far, total, np.empty(len(total)))
+        _near_kernels.stiffened(far, total, np.empty(len(total)))
         return far, total
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.footprint import Footprints, at_origin, pair_table, smooth_polynomials
 from surfaces.numerics.parallel import each
 
-from . import _list_kernels, _mesh_kernels, _pair_kernels
+from . import _mesh_kernels, _near_kernels, _pair_kernels
 from .cells import TwoLevelPreconditioner, chunks, long_enough, near_pairs, run, split_length, total
 from .mesh import Mesh, SmoothField, mesh_of
 
@@ -146,7 +146,7 @@ class Interaction:
         cells = (ny if ny >= 3 else 1, nx if nx >= 3 else 1)
         self.order = np.empty(len(y), np.int64)
         start = np.empty(cells[0] * cells[1] + 1, np.int64)
-        _list_kernels.by_cell(y, x, size, cells, self.order, start)
+        _near_kernels.by_cell(y, x, size, cells, self.order, start)
         self.y, self.x = y[self.order], x[self.order]
         self.size, self.wrap, self.cut = size, periodic, cut
 

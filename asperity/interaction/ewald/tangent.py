@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _mesh_kernels, _tangent_kernels
+from . import _mesh_kernels, _near_kernels
 from .cells import run, total
 from .operator import BEADS, CAP, Interaction
 
@@ -43,7 +43,7 @@ class Tangent:
         rank, narrow = np.empty(len(active), np.int32), np.empty((2, len(active)), np.float32)
         self.index, self.cell = np.empty(n, np.int64), np.empty(n, np.int32)
         variance, self.compliance, self.diagonal = np.empty((3, n))
-        _tangent_kernels.active_points(
+        _near_kernels.active_points(
             active,
             stiffness,
             np.empty(0) if extra is None else extra,
@@ -84,7 +84,7 @@ class Tangent:
                 self.place,
                 self.weight,
             )
-            _tangent_kernels.tangent_list(
+            _near_kernels.tangent_list(
                 plan.rows[c],
                 plan.ptr,
                 plan.col,
@@ -127,9 +127,7 @@ class Tangent:
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
-            _tangent_kernels.near_tangent(
-                rows, self.ptr, self.col, self.value, vector, self.part[c]
-            )
+            _near_kernels.near_tangent(rows, self.ptr, self.col, self.value, vector, self.part[c])
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.collect(
