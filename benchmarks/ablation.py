@@ -32,7 +32,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from asperity.model import law_factory
-from asperity.parameters import DEFAULTS, Corrections, Parameters, PressedBasins
+from asperity.parameters import DEFAULTS, ContactShift, Corrections, Parameters, PressedBasins
 from asperity.results.storage import write_csv
 
 MATTERS = 0.005
@@ -47,7 +47,7 @@ class Correction(NamedTuple):
     from outside.
     """
 
-    off: str | tuple[str, ...] | PressedBasins | Callable[[ExitStack], object]
+    off: str | tuple[str, ...] | Parameters | Callable[[ExitStack], object]
     objects: tuple[str, ...]
 
 
@@ -122,7 +122,7 @@ CORRECTIONS = {
         (f"{CANDIDATES}.recentred", f"{CANDIDATES}._strayed", f"{POPULATION}.has_centres"),
     ),
     "widening": Correction(
-        replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
+        replace(DEFAULTS, contact_shift=ContactShift(growth=0.0)),
         (f"{NEWTON}.contact_shift.widened",),
     ),
     "elongated footprints": Correction(
@@ -149,7 +149,8 @@ CORRECTIONS = {
         ),
     ),
     "flat tops pressed": Correction(
-        PressedBasins(plateau_share=10.0), ("asperity.model.law_rows._weight",)
+        replace(DEFAULTS, pressed_basins=PressedBasins(plateau_share=10.0)),
+        ("asperity.model.law_rows._weight",),
     ),
     "guard of the ellipse law": Correction(
         replaced("asperity.microcontact.auto.GROSS", np.inf),
@@ -198,8 +199,8 @@ def without(name: str) -> Iterator[Parameters]:
     """The model without a correction; as it is for an empty name."""
     with ExitStack() as stack:
         off = CORRECTIONS[name].off if name else ()
-        if isinstance(off, PressedBasins):
-            yield replace(DEFAULTS, pressed_basins=off)
+        if isinstance(off, Parameters):
+            yield off
         elif callable(off):
             off(stack)
             yield DEFAULTS

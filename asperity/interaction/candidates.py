@@ -144,6 +144,7 @@ class CandidateList:
             plan=plan,
             contact_shift=system.contact_shift,
             elongation=None if elongation is None else elongation.rows(index),
+            fitted=system.parameters.contact_shift,
         )
         others = np.ones(len(system), bool)
         others[index] = False
@@ -234,7 +235,7 @@ class CandidateList:
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
         tilts = solution.tilt, problem.radii
-        return widened(problem.plan.footprints, law, depth, *tilts, rough)
+        return widened(problem.plan.footprints, law, depth, *tilts, rough, problem.fitted)
 
 
 def _lowest(field: SmoothField | None, growth: float) -> float:

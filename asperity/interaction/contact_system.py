@@ -14,6 +14,7 @@ from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.load_points import known_boundary
 from asperity.interaction.newton.laws import Laws
+from asperity.parameters import DEFAULTS, Parameters
 from surfaces.numerics.memory import on_disk
 
 from .elongation import Elongation
@@ -47,12 +48,13 @@ class ContactSystem:
         Elastic half-space.
     interaction
         False: the classical sum of independent contacts.
-    contact_shift
-        Whether coupled contacts stand at the centres that their laws give, and move under the slope
-        of their neighbors' field; otherwise they stay at their summits.
     curvature, angle
         Principal curvatures [1/m], (n, 2), the larger first, and directions of the long axis [rad],
         (n,), of the summits; round footprints if not given.
+    parameters
+        Constants of the model, and switches: coupled contacts stand at the centres that their laws
+        give and move under the slope of their neighbors' field (`contact_shift`), and footprints
+        are elongated (`elongation`).
 
     Attributes
     ----------
@@ -76,9 +78,9 @@ class ContactSystem:
         boundary: str,
         material: HalfSpace,
         interaction: bool = True,
-        contact_shift: bool = True,
         curvature: ArrayLike | None = None,
         angle: ArrayLike | None = None,
+        parameters: Parameters = DEFAULTS,
     ) -> None:
         self.x, self.y, self.height = (
             _column(value, name) for value, name in ((x, "x"), (y, "y"), (height, "height"))
@@ -95,14 +97,16 @@ class ContactSystem:
         self.boundary, self.material = known_boundary(boundary), material
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and self._can_interact
-        self.contact_shift = contact_shift
+        self.parameters = parameters
+        self.contact_shift = parameters.corrections.contact_shift
         self.footprints = Footprints(material.modulus, material.m)
         self.laws = Laws(table, self.footprints)
         self.table = self.laws.table
         self.elongation: Elongation | None = None
-        if curvature is not None and angle is not None:
+        long = parameters.corrections.elongation
+        if long and curvature is not None and angle is not None:
             forms = np.asarray(curvature, float), np.asarray(angle, float)
-            elongation = Elongation.of(*forms, self.footprints)
+            elongation = Elongation.of(*forms, self.footprints, parameters.elongation)
             self.elongation = on_disk(elongation) if self.table.stored else elongation
         usable = np.flatnonzero(self.laws.usable)
         if len(usable) == 0:

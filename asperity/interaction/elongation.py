@@ -10,17 +10,11 @@ from numpy.typing import NDArray
 from scipy.special import ellipe, ellipk
 
 from asperity.halfspace.footprint import Footprints
+from asperity.parameters import DEFAULTS, ElongationBounds
 
-__all__ = ["ASPECT_EXPONENT", "LARGEST_ASPECT", "LARGEST_RADIUS", "Elongation", "aspect_ratio"]
+__all__ = ["ASPECT_EXPONENT", "Elongation", "aspect_ratio"]
 
 Array = NDArray[np.float64]
-
-LARGEST_ASPECT = 30.0
-"""Largest ratio of the axes of a footprint."""
-
-LARGEST_RADIUS = 1.5
-"""Largest radius of curvature along a contact over that of the round one: a ridge is no paraboloid
-along its length."""
 
 ASPECT_EXPONENT = 0.63
 """Axis ratio of an elliptic contact from the ratio of curvatures, b/a = (k2/k1)^0.63: exact Hertz
@@ -50,25 +44,31 @@ class Elongation:
     the tangent matrix positive definite.
     An elliptic paraboloid of semi-axes a, b with r = a/b and e^2 = 1 - 1/r^2 has the radii
     a^2 / (d c) along and b^2 / (d c') across, c = 2 (K - E) / (e^2 K), c + c' = 2, of which the one
-    along is bounded by `LARGEST_RADIUS`.
+    along is bounded (`parameters.ElongationBounds`).
     """
 
     moments: Array
     radii: Array
 
     @classmethod
-    def of(cls, curvature: Array, angle: Array, footprints: Footprints) -> Elongation:
+    def of(
+        cls,
+        curvature: Array,
+        angle: Array,
+        footprints: Footprints,
+        bounds: ElongationBounds = DEFAULTS.elongation,
+    ) -> Elongation:
         """Of summits with principal curvatures (n, 2) [1/m] and directions of their long axis
         (n,) [rad]."""
         steep, shallow = curvature.T
         flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
         ratio = np.clip(flatness, 1e-6, 1.0) ** -ASPECT_EXPONENT
-        ratio = np.minimum(ratio, LARGEST_ASPECT)
-        along, across = _axes(footprints.power, ratio)
+        ratio = np.minimum(ratio, bounds.aspect)
+        along, across = _axes(footprints.power, ratio, bounds.aspect)
         eccentricity = np.maximum(1 - ratio**-2, 1e-9)
         k, e = ellipk(eccentricity), ellipe(eccentricity)
         share = 2 * (k - e) / (eccentricity * k)
-        far, near = np.minimum(ratio / share, LARGEST_RADIUS), 1 / (ratio * (2 - share))
+        far, near = np.minimum(ratio / share, bounds.radius), 1 / (ratio * (2 - share))
         return cls(_turned(along, across, angle), _turned(far, near, angle))
 
     @property
@@ -88,17 +88,17 @@ def aspect_ratio(curvature: Array) -> Array:
     return np.asarray(np.clip(shallow / steep, 1e-3, 1.0) ** ASPECT_EXPONENT)
 
 
-def _axes(power: float, ratio: Array) -> tuple[Array, Array]:
+def _axes(power: float, ratio: Array, largest: float) -> tuple[Array, Array]:
     """Moments along and across over that of the round footprint of the same compliance."""
-    place, known = _compliance(power)
+    place, known = _compliance(power, largest)
     size = np.interp(np.log(ratio), place, known) ** (2 / power)
     return size * ratio, size / ratio
 
 
 @functools.lru_cache(maxsize=16)
-def _compliance(power: float) -> tuple[Array, Array]:
+def _compliance(power: float, largest: float) -> tuple[Array, Array]:
     """Self-compliance of an elliptic Gaussian of unit determinant, over the log of its ratio."""
-    place = np.linspace(0.0, np.log(LARGEST_ASPECT), 65)
+    place = np.linspace(0.0, np.log(largest), 65)
     angle = (np.arange(512) + 0.5) * np.pi / 1024
     ratio = np.exp(place)[:, None]
     square = ratio * np.cos(angle) ** 2 + np.sin(angle) ** 2 / ratio

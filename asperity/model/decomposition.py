@@ -125,7 +125,6 @@ class Decomposition:
     @functools.cached_property
     def population(self) -> Population:
         """The contacts with their laws, and with interaction if the plan has it."""
-        switches = self.plan.parameters.corrections
         return Population(
             x=self.places[1],
             y=self.places[0],
@@ -135,9 +134,9 @@ class Decomposition:
             boundary=self.plan.boundary,
             material=self.material,
             interaction=self.plan.interaction,
-            contact_shift=switches.contact_shift,
-            curvature=self.curvature if switches.elongation else None,
-            angle=self.angle if switches.elongation else None,
+            curvature=self.curvature,
+            angle=self.angle,
+            parameters=self.plan.parameters,
         )
 
     @functools.cached_property

@@ -19,13 +19,53 @@ from .constants import (
 
 __all__ = [
     "DEFAULTS",
+    "ContactShift",
     "Corrections",
+    "ElongationBounds",
     "JoinedPairs",
     "Parameters",
     "PressedBasins",
     "SharpTips",
     "TiltedBasins",
 ]
+
+
+@dataclass(frozen=True)
+class ContactShift:
+    """Contacts that move aside under the slope of their neighbors' field.
+
+    Attributes
+    ----------
+    largest
+        Bound of the shift over the contact radius [-]: farther off the paraboloid is no guide.
+    growth
+        Growth of the contact area [-] with the square of 1 + m times the shift over the contact
+        radius, at equal force, beside summits that are no paraboloid up to the contour (boundary
+        elements, contact by contact: 1.2 to 1.9 for cut-offs from 4 to 16 pixels).
+    widest
+        This square [-] beyond which the area does not grow further.
+    """
+
+    largest: float = 0.7
+    growth: float = 1.5
+    widest: float = 0.14
+
+
+@dataclass(frozen=True)
+class ElongationBounds:
+    """Elongated footprints.
+
+    Attributes
+    ----------
+    aspect
+        Largest ratio [-] of the axes of a footprint.
+    radius
+        Largest radius of curvature along a contact over that of the round one [-]: a ridge is no
+        paraboloid along its length.
+    """
+
+    aspect: float = 30.0
+    radius: float = 1.5
 
 
 @dataclass(frozen=True)
@@ -162,6 +202,8 @@ class Parameters:
     pixel_waves: PixelWaves = field(default_factory=PixelWaves)
     wave_split: WaveSplit = field(default_factory=WaveSplit)
     sub_contact: SubContact = field(default_factory=SubContact)
+    contact_shift: ContactShift = field(default_factory=ContactShift)
+    elongation: ElongationBounds = field(default_factory=ElongationBounds)
     pressed_basins: PressedBasins = field(default_factory=PressedBasins)
     joined_pairs: JoinedPairs = field(default_factory=JoinedPairs)
     tilted_basins: TiltedBasins = field(default_factory=TiltedBasins)

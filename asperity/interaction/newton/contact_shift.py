@@ -9,21 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.footprint import Footprints
+from asperity.parameters import ContactShift
 
 from . import _newton_kernels
 from .laws import Evaluated
 
-__all__ = ["LARGEST_SHIFT", "contact_shifts", "widened"]
-
-LARGEST_SHIFT = 0.7
-"""Bound of the shift over the contact radius: farther off the paraboloid is no guide."""
-
-WIDER = 1.5
-"""Growth of the contact area with the square of 1 + m times the shift over the contact radius, at
-equal force, beside summits that are no paraboloid up to the contour."""
-
-WIDEST = 0.14
-"""This square beyond which the area does not grow further."""
+__all__ = ["contact_shifts", "widened"]
 
 
 def contact_shifts(
@@ -32,13 +23,14 @@ def contact_shifts(
     approach: NDArray[np.float64],
     tilt: NDArray[np.float64],
     radii: NDArray[np.float64],
+    largest: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Height [m] that each contact gains by moving aside, shape (n,), its shift [m], (n, 2), and
     its force times that [N m].
 
     The laws are those at the approaches [m], shape (n,); `tilt` is the gradient [-] of the
     displacement by all others, (n, 2); `radii` are radii of curvature yy, xx, xy over those of
-    round contacts (`Elongation`), (n, 3).
+    round contacts (`Elongation`), (n, 3); `largest` bounds the shift over the contact radius.
 
     Notes
     -----
@@ -53,10 +45,10 @@ def contact_shifts(
     the gain of contact i and the field of the moments p_j by which the other forces have moved
     away from it. R is that of the contact at its present depth, R = a^2 / ((1+m) d) with the punch
     radius a of its stiffness, so that a filled basin moves less and less; the shift is bounded
-    smoothly by `LARGEST_SHIFT` a. Moments act on heights, not on each other's gradients.
+    smoothly by `largest` a. Moments act on heights, not on each other's gradients.
     """
     gain, (aside, moment) = np.empty(len(approach)), np.empty((2, len(approach), 2))
-    body = footprints.modulus, footprints.power, LARGEST_SHIFT
+    body = footprints.modulus, footprints.power, largest
     tilt = np.ascontiguousarray(tilt)
     kernel: Any = _newton_kernels.shift_contacts
     kernel(law.force, law.stiffness, approach, tilt, radii, *body, gain, aside, moment)
@@ -70,6 +62,7 @@ def widened(
     tilt: NDArray[np.float64],
     radii: NDArray[np.float64],
     outgrown: NDArray[np.bool_],
+    fitted: ContactShift,
 ) -> NDArray[np.float64]:
     """Contact areas [m^2] beside the summits, shape (n,), wider where contacts have `outgrown` the
     paraboloid of their summit, shape (n,); other arguments are those of `contact_shifts`.
@@ -85,7 +78,7 @@ def widened(
     1.8 and 2.2 for m = -0.3, 0 and 0.3. It goes with (1 + m)^2: 1 + m times the shift over the
     radius is the fall of the field over the radius of the contact, over its approach.
     """
-    _, aside, _ = contact_shifts(footprints, law, approach, tilt, radii)
+    _, aside, _ = contact_shifts(footprints, law, approach, tilt, radii, fitted.largest)
     square = math.pi * footprints.power**2 * np.sum(aside * aside, axis=1)
     share = np.divide(square, law.area, out=np.zeros(len(square)), where=outgrown & (square > 0.0))
-    return np.asarray(law.area * (1.0 + WIDER * np.minimum(share, WIDEST)))
+    return np.asarray(law.area * (1.0 + fitted.growth * np.minimum(share, fitted.widest)))

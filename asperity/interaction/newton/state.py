@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import Interaction
+from asperity.parameters import DEFAULTS, ContactShift
 
 from . import _newton_kernels
 from .contact_shift import contact_shifts
@@ -23,7 +24,8 @@ class Problem:
     """Contacts that may close, their laws and their interaction in the same order.
 
     Their summits have the heights z [m], shape (n,). With `contact_shift` they shift under the
-    slope of the field (`contact_shifts`); their footprints are round if `elongation` is None.
+    slope of the field (`contact_shifts`), as far as `fitted` says; their footprints are round if
+    `elongation` is None.
     """
 
     height: NDArray[np.float64]
@@ -31,6 +33,7 @@ class Problem:
     plan: Interaction
     contact_shift: bool = False
     elongation: Elongation | None = None
+    fitted: ContactShift = DEFAULTS.contact_shift
 
     @property
     def form(self) -> NDArray[np.float64]:
@@ -91,11 +94,11 @@ class State:
         laws = problem.laws(approach)
         self.problem, self.laws = problem, laws
         self.approach = np.where(laws.force > 0, approach, 0.0)
-        body, radii = problem.plan.footprints, problem.radii
-        _, self.shift, moment = contact_shifts(body, laws, self.approach, tilt, radii)
+        body, bounds = problem.plan.footprints, (problem.radii, problem.fitted.largest)
+        _, self.shift, moment = contact_shifts(body, laws, self.approach, tilt, *bounds)
         self.field = problem.plan.field(laws.force, laws.moment, laws.growth, moment, problem.form)
         self.gain, self.next_shift, _ = contact_shifts(
-            body, laws, self.approach, self.field.tilt, radii
+            body, laws, self.approach, self.field.tilt, *bounds
         )
 
     @property

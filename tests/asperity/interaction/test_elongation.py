@@ -10,12 +10,13 @@ from strategies import random_population
 import asperity
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction.coupled_solve import descend
-from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_RADIUS, Elongation
+from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton import solver
 from asperity.interaction.newton.laws import Laws
 from asperity.interaction.newton.state import Problem
 from asperity.interaction.population import Population
+from asperity.parameters import DEFAULTS
 
 EXPONENTS = (-0.3, 0.0, 0.5)
 CELL = (1.0, 1.4)
@@ -46,7 +47,9 @@ def test_an_elongated_footprint_keeps_the_compliance_of_its_contact(m, ratio):
     """int Lambda(q) exp(-q C q) d^2q over all directions does not depend on the elongation."""
     large, small, angle = principal(of(ratio, 0.6, m).moments[0])
     assert angle == pytest.approx(0.6)
-    assert np.sqrt(large / small) == pytest.approx(min(ratio**0.63, LARGEST_ASPECT), rel=1e-6)
+    assert np.sqrt(large / small) == pytest.approx(
+        min(ratio**0.63, DEFAULTS.elongation.aspect), rel=1e-6
+    )
     theta = np.linspace(0, np.pi, 4001)[:-1]
     square = large * np.cos(theta) ** 2 + small * np.sin(theta) ** 2
     assert np.mean(square ** (-0.5 * (1 + m))) == pytest.approx(1.0, rel=2e-3)
@@ -56,7 +59,7 @@ def test_an_elongated_footprint_keeps_the_compliance_of_its_contact(m, ratio):
 def test_a_contact_leans_less_across_and_not_much_more_along():
     large, small, angle = principal(of(4.0, -0.4).radii[0])
     assert angle == pytest.approx(-0.4)
-    assert large == LARGEST_RADIUS
+    assert large == DEFAULTS.elongation.radius
     # Hertz: the radii of curvature have the ratio of the curvatures
     free = of(1.5, 0.0).radii[0]
     assert free[1] / free[0] == pytest.approx(1.5, rel=0.03)

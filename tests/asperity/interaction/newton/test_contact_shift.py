@@ -10,18 +10,14 @@ from strategies import random_population
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction.coupled_solve import descend
 from asperity.interaction.ewald.operator import Interaction
-from asperity.interaction.newton.contact_shift import (
-    LARGEST_SHIFT,
-    WIDER,
-    WIDEST,
-    contact_shifts,
-    widened,
-)
+from asperity.interaction.newton.contact_shift import contact_shifts, widened
 from asperity.interaction.newton.laws import Laws
 from asperity.interaction.newton.state import Problem, State
+from asperity.parameters import DEFAULTS
 
 CELL = (1.0, 1.4)
 EXPONENTS = (-0.3, 0.0, 0.5)
+FITTED = DEFAULTS.contact_shift
 
 
 def scene(m, boundary, n=120, seed=0):
@@ -104,7 +100,7 @@ def test_gain_of_a_sphere_on_a_slope(m):
     gained[plan.order] = state.gain - state.field.moved - state.field.longer
     source = laws(np.array([0.05, 0.5])).force[1]
     slope = f.point * (1 + m) * source / 50.0 ** (2 + m)
-    bounded = 1 + radius * slope**2 / (LARGEST_SHIFT**2 * (1 + m) * 0.05)
+    bounded = 1 + radius * slope**2 / (FITTED.largest**2 * (1 + m) * 0.05)
     assert gained[0] == pytest.approx(0.5 * radius * slope**2 / bounded, rel=0.02)
 
 
@@ -147,13 +143,13 @@ def test_contacts_beside_rough_summits_are_wider(m):
     free = np.array([0.2, 0.2, 0.1, 3.0])
     tilt = np.outer(free, [0.6, 0.8]) * radius[:, None] / 0.1
     rough = np.array([False, True, True, True])
-    area = widened(body, laws, approach, tilt, radii, rough)
-    aside = free / (1 + (free / LARGEST_SHIFT) ** 2)
+    area = widened(body, laws, approach, tilt, radii, rough, FITTED)
+    aside = free / (1 + (free / FITTED.largest) ** 2)
     np.testing.assert_allclose(
-        contact_shifts(body, laws, approach, tilt, radii)[1],
+        contact_shifts(body, laws, approach, tilt, radii, FITTED.largest)[1],
         -tilt * (0.1 * aside / free)[:, None],
         rtol=1e-6,
     )
-    grown = 1 + WIDER * np.minimum(((1 + m) * aside) ** 2, WIDEST) * rough
+    grown = 1 + FITTED.growth * np.minimum(((1 + m) * aside) ** 2, FITTED.widest) * rough
     np.testing.assert_allclose(area, laws.area * grown, rtol=1e-6)
-    assert (widened(body, laws, approach, 0 * tilt, radii, rough) == laws.area).all()
+    assert (widened(body, laws, approach, 0 * tilt, radii, rough, FITTED) == laws.area).all()
