@@ -45,6 +45,9 @@ FAMILIES = (
 )
 FACTORS = (0.75, 1.25)
 MATTERS = 0.001
+STATED = "error_estimate", "anchors", "parts"
+"""Groups of constants that change no load and no area of the model, but what is stated of them."""
+
 COLUMNS = {
     "load error: rms, %": "load_rms",
     "load error: worst, %": "load_worst",
@@ -69,7 +72,7 @@ def variants() -> Iterator[tuple[str, float, Parameters]]:
     """Name of each constant, factor, and the parameters with it."""
     yield "", 1.0, DEFAULTS
     for group in fields(DEFAULTS):
-        if group.name == "error_estimate":
+        if group.name in STATED:
             continue
         kept = getattr(DEFAULTS, group.name)
         for field in fields(kept):

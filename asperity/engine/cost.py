@@ -6,8 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from asperity.model.plan import peaks_above
+from asperity.parameters import DEFAULTS
 
-from .parts import LOADS, parts_along, repeats_itself
+from .parts import parts_along, repeats_itself
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -58,10 +59,11 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
     dearer = FREE if plan.boundary == "free" else 1.0
     dearer *= YIELDED if material.hardness < math.inf else 1.0
     each = BEM_SECONDS[2] * dearer * _unit(points)
+    part = _curve(points / side**2, DEFAULTS.parts.loads, 1.0)
     return {
         "bem": _curve(points, loads, dearer),
         "anchored": model + BEM_SECONDS[0] + each * min(ANCHORS, loads),
-        "sampled": BESIDE + model + PARTS * side * _curve(points / side**2, LOADS, 1.0),
+        "sampled": BESIDE + model + PARTS * side * part,
     }
 
 

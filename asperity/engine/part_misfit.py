@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
+from asperity.parameters import DEFAULTS
 from asperity.results.interpolation import log_ratio
 from surfaces.numerics import parallel
 from surfaces.preparation.borders import make_periodic
@@ -28,51 +29,18 @@ if TYPE_CHECKING:
     from asperity.results.curve import ContactCurve
     from surfaces.heightmap import HeightMap
 
-__all__ = ["FLOOR", "Judged", "corner", "long_waves", "misfit_on_parts"]
+__all__ = ["Judged", "corner", "long_waves", "misfit_on_parts"]
 
 Array = NDArray[np.float64]
 
-LEAST_SHARE = 0.02
-"""Load on a part over its share of the area from which on it is solved at a load point."""
+FITTED = DEFAULTS.parts
 
-HEAVIEST = 4.0
-"""Load on a part, over that of as large a part of the map at the heaviest load point, up to which
-it is solved: those that carry most of it are loaded above the mean. One where the long waves are
-solved alone, too: they touch on more of the area, beyond what the model tells."""
+SAMPLED_ROWS = 4
+"""Rows of a map of which one is taken for the means of its long waves."""
 
-LEAST_COVER = 0.4
-"""Load on the parts solved at a load point, over what as many would carry if all carried alike,
-below which they do not tell of the whole."""
-
-FLOOR = 0.02, 0.04
-"""Bound of load and area beside the scatter over `ALIKE` parts that carry alike; half of its square
-is common to all parts (docs/development/verification.md)."""
-
-ALIKE = 4
-"""Parts that carry alike, over whose scatter `FLOOR` is the bound."""
-
-FEW = 2.0
-"""Power of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
-less: the load follows the heights of few summits, the area their shapes."""
-
-LONG = 1 / 3
-"""Share of the mean square height that is left in means over a quarter of a part along each axis,
-in waves longer than about half a part, from which on parts do not tell of these waves."""
-
-SPARSE = 4
-"""Rows of a map of which one is taken for these means."""
-
-FINE = 0.1
-"""Part of what the finest waves change of the load that parts leave open where the others are
-solved alone: what the model lacks is then not the sum of what it lacks of either."""
-
-TOGETHER = 2
-"""Parts solved before the bounds are looked at again, beyond `ALIKE` at each load point; whatever
+PARTS_TOGETHER = 2
+"""Parts solved before the bounds are looked at again, beyond those that carry alike; whatever
 the number of threads: results do not hang on that."""
-
-ENOUGH = 0.75
-"""Bounds by the parts solved at a load point, over the accuracy, at which no more are solved there:
-the bends between load points and the pixels add to them."""
 
 
 @dataclass(frozen=True)
@@ -133,19 +101,20 @@ def misfit_on_parts(
     side, pressure = math.isqrt(len(shares)), model.mean_pressure[at]
     rate = model.stiffness[at] / pressure
     grid, whole = long_waves(hm, plan, side), np.zeros((5, len(at)))
-    floor = np.tile(np.array(FLOOR)[:, None], len(at))
+    floor = np.tile(np.array(FITTED.floor)[:, None], len(at))
     if grid is not None:
         whole = judged(grid, plan.whole, pressure)
         fine = rate * (model.separation[at] - whole[-1])
-        floor[0] = np.hypot(floor[0], FINE * np.nan_to_num(fine))
+        floor[0] = np.hypot(floor[0], FITTED.fine * np.nan_to_num(fine))
     over_mean = len(shares) * shares
-    local, heaviest = over_mean * pressure, (HEAVIEST if grid is None else 1.0) * pressure[-1]
-    usable = (over_mean > LEAST_SHARE) & (local <= heaviest)
+    # parts that carry most are loaded above the mean; long waves solved alone touch on more, too
+    local, heaviest = over_mean * pressure, FITTED.heaviest if grid is None else 1.0
+    usable = (over_mean > FITTED.least_load) & (local <= heaviest * pressure[-1])
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
     taken = _first(usable, best, side)
     beside = None
     if otherwise is not None:
-        told = floor * _fewness(taken * shares) <= ENOUGH * allowed
+        told = floor * _fewness(taken * shares) <= FITTED.enough * allowed
         taken &= told.all(axis=0)
         untold = np.logical_not(taken.any(axis=0))
         if 2 * np.count_nonzero(untold) > len(at):
@@ -154,7 +123,7 @@ def misfit_on_parts(
             beside = functools.partial(otherwise, untold)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     order = np.array([lightest, *best[best != lightest]])
-    found, here = np.full((*shares.shape, 4), np.nan), _first(taken, order, ALIKE)
+    found, here = np.full((*shares.shape, 4), np.nan), _first(taken, order, FITTED.alike)
 
     def solve(place: int) -> None:
         loads, told = here[place], {"long_alone": grid is not None, "tell": place == lightest}
@@ -165,10 +134,10 @@ def misfit_on_parts(
     while len(some):
         parallel.apart(solve, some, beside)
         _, bounds, number = _pooled(found, shares, rate, floor)
-        enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
+        enough = (number >= FITTED.alike) & (bounds <= FITTED.enough * allowed).all(axis=0)
         taken[some] &= ~here[some]  # also where nothing was found
         here = taken & ~enough
-        some, beside = order[here[order].any(axis=1)][:TOGETHER], None
+        some, beside = order[here[order].any(axis=1)][:PARTS_TOGETHER], None
     misfit, bounds, _ = _pooled(found, shares, rate, floor)
     misfit[0] += rate * whole[0]
     bounds[:, np.isnan(whole[0])] = np.nan
@@ -207,11 +176,11 @@ def long_waves(hm: HeightMap, plan: Plan, side: int) -> HeightMap | None:
     `side` parts along each side hold much of the height; None where they do not."""
     (row, column), (ny, nx) = corner(hm, side), hm.shape
     edges = [np.arange(4 * side + 1) * n // (4 * side) for n in (ny, nx)]
-    rows = ((row + np.arange(*pair, SPARSE)) % ny for pair in itertools.pairwise(edges[0]))
+    rows = ((row + np.arange(*pair, SAMPLED_ROWS)) % ny for pair in itertools.pairwise(edges[0]))
     lines = np.roll([hm.source[each].mean(axis=0) for each in rows], -column, axis=1)
     means = np.add.reduceat(lines, edges[1][:-1], axis=1) / np.diff(edges[1])
     share = float(means.var()) / hm.roughness.rms_height**2
-    return plan.solved(hm) if share > LONG else None
+    return plan.solved(hm) if share > FITTED.long_waves else None
 
 
 def _pooled(
@@ -237,11 +206,11 @@ def _sum(weights: Array) -> Array:
 
 def _fewness(weights: Array) -> Array:
     """Bounds beside the scatter over parts that carry these shares of the load at some points,
-    shape (parts, n), over those of `ALIKE` that carry alike; NaN where they carry too little."""
+    shape (parts, n), over those of parts that carry alike; NaN where they carry too little."""
     total = _sum(weights)
-    few = ALIKE * (weights**2).sum(axis=0) / total**2
-    few[total < LEAST_COVER / math.sqrt(len(weights))] = np.nan
-    return np.asarray(np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)))
+    few = FITTED.alike * (weights**2).sum(axis=0) / total**2
+    few[total < FITTED.cover / math.sqrt(len(weights))] = np.nan
+    return np.asarray(np.sqrt(0.5 + 0.5 * np.maximum(few, few**FITTED.few)))
 
 
 def corner(hm: HeightMap, side: int) -> tuple[int, int]:

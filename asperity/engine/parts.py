@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from asperity.halfspace.checks import model_warnings
 from asperity.parameters import DEFAULTS
 from asperity.trust.verified import (
-    JUDGE_SHARE,
     answered,
     bounds_at,
     corrected,
@@ -26,7 +25,7 @@ from asperity.trust.verified import (
 )
 from surfaces.checks import random_map
 
-from .part_misfit import FLOOR, Judged, corner, long_waves, misfit_on_parts
+from .part_misfit import Judged, corner, long_waves, misfit_on_parts
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,38 +42,13 @@ __all__ = ["can_sample", "parts_along", "repeats_itself", "sampled"]
 
 Array = NDArray[np.float64]
 
-SIDE = 4
-"""Least parts along each side of a map; as many are solved at each load point."""
-
-PART_POINTS, GRID_POINTS = 512, 75
-"""Points along the shorter side of a part, and of the grid that the model solves on it, of maps
-that have more than `SIDE` of such parts along a side."""
-
-PART_SHARE = 0.05
-"""Error of the area by boundary elements on a part over the accuracy asked for: less than that of
-anchors, as it widens the bounds of all load points."""
-
-LOADS = 4
-"""Load points at which they are solved; between them the misfit is interpolated."""
-
-LEAST_POINTS = 1536
-"""Points of the shorter side of a map from which on parts of it are representative."""
-
-COARSE = 0.87
-"""Rms height of the waves whose contacts are solved over that of all from which on the parts of a
-map tell of it: white noise on the pixels has 0.6, Hurst exponents above 0 more than 0.9."""
-
-LONGEST_LAY = 3.0
-"""Slopes across over those along a lay from which on contacts reach over the borders of parts."""
-
-SPARE = 1.5
-"""Accuracies over these floors from which on parts are worth a try."""
+FITTED = DEFAULTS.parts
 
 
 def repeats_itself(hm: HeightMap) -> bool:
     """Whether contacts anywhere and at any load are alike: those of random waves without a long
     lay, whose misfit is that of few places and varies slowly with the load."""
-    doubts = model_warnings(hm, LONGEST_LAY)
+    doubts = model_warnings(hm, FITTED.longest_lay)
     return not doubts and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
 
 
@@ -90,10 +64,10 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     law = plan.sub_contact_law
     if material.hardness < math.inf or material.m != 0.0:
         return False
-    if law is not None and law.rms[0] < COARSE * law.rms[1]:
+    if law is not None and law.rms[0] < FITTED.coarse * law.rms[1]:
         return False
-    enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
-    if not (enough and min(hm.shape) >= LEAST_POINTS and repeats_itself(hm)):
+    enough = min(accuracy.load / FITTED.floor[0], accuracy.area / FITTED.floor[1]) >= FITTED.spare
+    if not (enough and min(hm.shape) >= FITTED.least_points and repeats_itself(hm)):
         return False
     side = parts_along(hm, plan.solved(hm))
     waves = long_waves(hm, plan, side)
@@ -133,10 +107,10 @@ def sampled(
     """
     model = run.curve
     points = answered(model)
-    nodes = np.unique(np.linspace(0, len(points) - 1, LOADS).astype(np.int64))
+    nodes = np.unique(np.linspace(0, len(points) - 1, FITTED.loads).astype(np.int64))
     at, grain = points[nodes], pixel_scatter(hm, model)[points]
     allowed = np.array([[accuracy.load], [accuracy.area]])
-    error = PART_SHARE * accuracy.area
+    error = FITTED.judge_share * accuracy.area
     judged = Judged(run.decomposition.material, error, progress)
     among, solved_map = run.decomposition.law_factory.shares, run.decomposition.solved
     # contacts that carry so much of a part carry less of the whole: no more is done for them
@@ -147,7 +121,7 @@ def sampled(
 
     def on_whole(which: NDArray[np.bool_]) -> None:
         if judge is not None:
-            solved.update(solved_points(judge, values, at[which], JUDGE_SHARE))
+            solved.update(solved_points(judge, values, at[which], DEFAULTS.anchors.judge_share))
 
     misfit, bounds, floor = misfit_on_parts(
         judged, hm, plan, model, at, shares, allowed, None if judge is None else on_whole
@@ -185,7 +159,8 @@ def _within(bounds: Array, grain: Array, allowed: Array) -> NDArray[np.bool_]:
 
 def parts_along(hm: HeightMap, solved: HeightMap) -> int:
     """Parts along each side of a map, of which the model solves that on another grid."""
-    return max(SIDE, min(min(hm.shape) // PART_POINTS, min(solved.shape) // GRID_POINTS))
+    most = min(hm.shape) // FITTED.points, min(solved.shape) // FITTED.grid_points
+    return max(FITTED.side, min(most))
 
 
 def _load_shares(run: ContactRun, side: int) -> Array:

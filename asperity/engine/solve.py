@@ -19,9 +19,9 @@ from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.load_points import Boundary, checked_loads, chosen_boundary
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.model.plan import make_plan
+from asperity.parameters import DEFAULTS
 from asperity.progress import Progress, reported, require_function
 from asperity.trust.verified import (
-    LEAST_LOADS,
     Accuracy,
     anchors_suffice,
     verified,
@@ -240,8 +240,9 @@ class _Scene:
         """The engine, from the forecast of run times."""
         if engine == "bem":
             return _Choice("bem", "as asked", None)
-        if engine == "auto" and verify and len(values) < LEAST_LOADS:
-            return _Choice("bem", f"fewer than {LEAST_LOADS} load points", None)
+        least = DEFAULTS.anchors.least_loads
+        if engine == "auto" and verify and len(values) < least:
+            return _Choice("bem", f"fewer than {least} load points", None)
         loads = self.loads(values)
         try:
             plan = make_plan(self.hm, self.material, boundary=self.boundary, **loads)

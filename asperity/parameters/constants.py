@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 __all__ = [
+    "Anchors",
     "ErrorEstimate",
-    "Limits",
+    "Parts",
     "PixelWaves",
     "Segmentation",
     "Spots",
@@ -251,18 +252,83 @@ class ErrorEstimate:
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Where load points are refused.
+class Anchors:
+    """Load points at which boundary elements correct and bound a curve of the model
+    (docs/development/verification.md).
 
     Attributes
     ----------
-    long_area
-        Share [-] of the map in discs on the long axes of the contacts. With lay of 10:1 (shortest
-        wave 8 pixels) the load is 24 to 32 % too high there, at 9 % of contact, with 20:1 half as
-        much again at 5 %; 4:1 reaches 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
-    negligible_shift
-        Shift by the neighbors, relative to the approach [-], below which interaction is left out.
+    least_loads
+        Load points from which on some can be left to the model.
+    first
+        Anchors in any case: on random waves, and on other maps, whose misfit varies less evenly.
+    judge_share
+        Error [-] of boundary elements at anchors over the accuracy asked for.
+    prior_share
+        Shares [-] of the a-priori estimates of load and area that are left between anchors at all
+        of which they held.
+    yielded_share
+        What is added to them [-] where the contacts bear the hardness: there the load follows the
+        heights of single summits, and the misfit does not vary slowly.
+    unknown
+        Estimates of load and area [-] where the model states none.
     """
 
-    long_area: float = 1.9
-    negligible_shift: float = 2e-3
+    least_loads: int = 5
+    first: tuple[int, int] = (3, 5)
+    judge_share: float = 0.15
+    prior_share: tuple[float, float] = (0.5, 1.0 / 3.0)
+    yielded_share: tuple[float, float] = (1.0, 0.0)
+    unknown: tuple[float, float] = (0.05, 0.15)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Parts of a large map on which boundary elements check the model
+    (docs/development/verification.md).
+
+    Attributes
+    ----------
+    least_points, longest_lay, coarse
+        Maps on which they may: points of the shorter side from which on parts are representative,
+        slopes across over those along a lay up to which contacts stay within them, and rms height
+        of the waves whose contacts are solved over that of all (white noise 0.6, Hurst exponents
+        above 0 more than 0.9) [-].
+    side, points, grid_points
+        Least parts along each side; points along the shorter side of a part, and of the grid that
+        the model solves on it, of maps that have more of such parts.
+    loads, judge_share
+        Load points at which they are solved, and error of the area there over the accuracy [-].
+    least_load, heaviest, cover
+        Load on a part over its share of the area from which on it is solved [-]; over that of as
+        large a part at the heaviest load point up to which it is [-]; load on all parts solved over
+        what as many would carry if all carried alike below which they do not tell of the whole [-].
+    long_waves, fine
+        Share [-] of the mean square height in waves longer than half a part from which on these are
+        solved on the whole map, and the part left open then of what the others change [-].
+    floor, alike, few
+        Bounds of load and area [-] beside the scatter over parts that carry alike, the number of
+        these, and the power with which the squares of both grow where parts are fewer.
+    spare, enough
+        Accuracies over the floors from which on parts are tried, and bounds over the accuracies at
+        which no more are solved [-].
+    """
+
+    least_points: int = 1536
+    longest_lay: float = 3.0
+    coarse: float = 0.87
+    side: int = 4
+    points: int = 512
+    grid_points: int = 75
+    loads: int = 4
+    judge_share: float = 0.05
+    least_load: float = 0.02
+    heaviest: float = 4.0
+    cover: float = 0.4
+    long_waves: float = 1.0 / 3.0
+    fine: float = 0.1
+    floor: tuple[float, float] = (0.02, 0.04)
+    alike: int = 4
+    few: float = 2.0
+    spare: float = 1.5
+    enough: float = 0.75

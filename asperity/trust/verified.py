@@ -18,8 +18,6 @@ from surfaces.checks import random_map
 from surfaces.heightmap import HeightMap
 
 __all__ = [
-    "JUDGE_SHARE",
-    "LEAST_LOADS",
     "Accuracy",
     "Judge",
     "Solved",
@@ -43,26 +41,14 @@ Solved = dict[int, ContactCurve]
 Judge = Callable[[Array, float], ContactCurve]
 """Solves load points by boundary elements, within a share of the accuracy asked for."""
 
-JUDGE_SHARE = 0.15
-"""Error of boundary elements at anchors over the accuracy asked for."""
+FITTED = DEFAULTS.anchors
 
-LEAST_LOADS = 5
-"""Load points from which on some can be left to the model."""
+PRIOR_SHARE = np.array([FITTED.prior_share]).T
+YIELDED_SHARE = np.array([FITTED.yielded_share]).T
 
-ANCHOR_LOADS = 4
+LOADS_PER_ANCHOR = 4
 """Load points beside each other that boundary elements solve in the time of one anchor, which they
 solve closer and without a neighbor to start from."""
-
-FIRST_ANCHORS = 3, 5
-"""Anchors in any case: on random waves, and on other maps, whose misfit varies less evenly."""
-
-PRIOR_SHARE = np.array([[0.5], [1.0 / 3.0]])
-"""Share of the a-priori estimates of load and area that is left between anchors at all of which
-they held."""
-
-YIELDED_SHARE = np.array([[1.0], [0.0]])
-"""What is added to it where the contacts bear the hardness: there the load follows the heights of
-single summits, and the misfit does not vary slowly."""
 
 YIELDED_COLUMNS = "plastic_share", "unloading_stiffness"
 """Columns of a curve with a hardness, which boundary elements correct too."""
@@ -72,9 +58,6 @@ CORRECTED = "mean_pressure", "separation", "contact_area", "contacts", "stiffnes
 
 KEPT = "law", "boundary", "modulus", "m", "hardness", "input", "map", "pressure_scale", "warnings"
 """Settings of the model that a verified curve keeps."""
-
-UNKNOWN = 0.05, 0.15
-"""Estimates of load and area where the model states none."""
 
 
 @dataclass(frozen=True)
@@ -135,17 +118,17 @@ def verified(
     """
     points = answered(model)
     others = np.setdiff1d(np.arange(len(model)), points)
-    if (count := len(points)) < LEAST_LOADS:
+    if (count := len(points)) < FITTED.least_loads:
         return judge(values, 1.0)
     position = np.log(model.mean_pressure[points])
     prior, plastic = _prior_estimates(model, points)
-    first = FIRST_ANCHORS[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
+    first = FITTED.first[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
     grain = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
     solved = solved_points(judge, values, others, 1.0)
     while True:
         new = [i for i in points[anchors] if i not in solved]
-        share = JUDGE_SHARE if len(anchors) < count else 1.0
+        share = FITTED.judge_share if len(anchors) < count else 1.0
         solved |= solved_points(judge, values, np.array(new), share)
         known = misfit_at(model, kind, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
@@ -159,7 +142,7 @@ def verified(
         over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
         if len(anchors) == count or over.max() <= 1.0:
             break
-        few = ANCHOR_LOADS * len(anchors) <= count
+        few = LOADS_PER_ANCHOR * len(anchors) <= count
         anchors = halved_intervals(anchors, over) if few else np.arange(count)
     beside = [np.interp(position, position[anchors], row) for row in known[2:]]
     misfit = np.array([load, area, *beside])
@@ -209,7 +192,7 @@ def _prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array
     prior = np.array(
         [
             np.where(np.isfinite(error), error, unknown)[points]
-            for error, unknown in zip(stated, UNKNOWN, strict=True)
+            for error, unknown in zip(stated, FITTED.unknown, strict=True)
         ]
     )
     plastic = np.asarray(model.extra.get("plastic_share", np.zeros(len(model))))[points]
