@@ -42,11 +42,11 @@ from .errors import InputError
 
 __all__ = ["contact_curve", "solve_loads"]
 
-TOLERANCE = 5e-2
+LOAD_TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
 a tenth of it or less (docs/development/interaction.md)."""
 
-CLOSE = 4e-3
+SEPARATION_TOLERANCE = 4e-3
 """Bound on the residual at a separation, where no step follows."""
 
 TINY_LOAD = 0.2
@@ -235,7 +235,8 @@ def _sweep(
     It ends early where a contact comes near the height below which nothing was segmented.
     """
     by_load = kind == "pressure"
-    bound, heaviest = (TOLERANCE, float(values.max())) if by_load else (CLOSE, None)
+    bound = LOAD_TOLERANCE if by_load else SEPARATION_TOLERANCE
+    heaviest = float(values.max()) if by_load else None
     nonrandom = nonrandomness(decomposition.hm)
     population = decomposition.population
     last: LoadPoint | None = None
@@ -256,7 +257,7 @@ def _sweep(
         if not decomposition.deep_enough(point.state):
             return
         if comparing:
-            at: Any = {"separation": point.state.separation, "tolerance": CLOSE}
+            at: Any = {"separation": point.state.separation, "tolerance": SEPARATION_TOLERANCE}
             if interacting is not None:
                 interacting = handed_on(interacting, **at)
             interacting = decomposition.interacting.solve(state=interacting, **at)

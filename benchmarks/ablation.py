@@ -90,10 +90,10 @@ def _no_powers(stack: ExitStack) -> None:
     """Every tip is a paraboloid in the kernel that knows other powers."""
     name = "asperity.microcontact.law_kernels.tabulate"
     kernel = found(name).py_func
-    known = kernel.__globals__ | {"BLUNT": np.inf}
+    known = kernel.__globals__ | {"BLUNT_TIP": np.inf}
     plain = types.FunctionType(kernel.__code__, known, kernel.__name__)
     stack.enter_context(patch(name, njit(error_model="numpy")(plain)))
-    stack.enter_context(patch(f"{PRESS}.press.BLUNT", np.inf))
+    stack.enter_context(patch(f"{PRESS}.press.BLUNT_TIP", np.inf))
 
 
 NEWTON = "asperity.interaction.newton"
@@ -153,7 +153,7 @@ CORRECTIONS = {
         ("asperity.model.law_rows._weight",),
     ),
     "guard of the ellipse law": Correction(
-        replaced("asperity.microcontact.auto.GROSS", np.inf),
+        replaced("asperity.microcontact.auto.GROSS_DIFFERENCE", np.inf),
         (
             "asperity.microcontact.auto.tabulate",
             "asperity.microcontact.auto._without_pull",

@@ -25,7 +25,7 @@ from common import least, options, rough
 
 import surfaces
 from asperity import HalfSpace, Population
-from asperity.curve import CLOSE, TOLERANCE
+from asperity.curve import LOAD_TOLERANCE, SEPARATION_TOLERANCE
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
@@ -187,7 +187,7 @@ def walk() -> None:
 
 def tolerance() -> None:
     """What the default tolerance of a curve does to it."""
-    print(f"ten loads to about 10 % contact, 512^2, seeds 5 and 6, tolerance {TOLERANCE:g}:")
+    print(f"ten loads to about 10 % contact, 512^2, seeds 5 and 6, tolerance {LOAD_TOLERANCE:g}:")
     print("largest relative differences from a fifty times smaller tolerance, percent")
     print("family            load at equal separation   area   stiffness   steps   products")
     for family, spectrum in FAMILIES.items():
@@ -198,7 +198,7 @@ def tolerance() -> None:
             for pressure in np.geomspace(5e-5, 5e-3, 10):
                 rough, exact = (
                     contacts.solve(pressure=float(pressure), state=state, tolerance=bound)
-                    for state, bound in ((rough, TOLERANCE), (exact, 0.02 * TOLERANCE))
+                    for state, bound in ((rough, LOAD_TOLERANCE), (exact, 0.02 * LOAD_TOLERANCE))
                 )
                 fall = (exact.separation - rough.separation) * exact.normal_stiffness
                 missed = (
@@ -235,7 +235,7 @@ def cost() -> None:
                 for separation in np.linspace(top, low, 50):
                     wall, busy = time.perf_counter(), time.process_time()
                     state = contacts.solve(
-                        separation=float(separation), state=state, tolerance=CLOSE
+                        separation=float(separation), state=state, tolerance=SEPARATION_TOLERANCE
                     )
                     rows.append(
                         (time.perf_counter() - wall, time.process_time() - busy, state.products)

@@ -44,19 +44,19 @@ STRAIGHT_TO = 1e-6
 """Second difference of heights over the rms height up to which points are in line: noise of
 rounding is below it, waves of 4 000 points and shorter are above."""
 
-SOME = 64
+SAMPLED_LINES = 64
 """Lines of a map, along each axis, of which differences are taken."""
 
-LONGEST = 6
+LENGTH_OVER_DISTANCE = 6
 """Length of a line over the longest distance of differences: few longer waves fit it."""
 
-ERRORS = 2.5
+KURTOSIS_ERRORS = 2.5
 """Standard errors that the kurtosis may be off beside what is allowed of the finest waves. Of 1 440
 random maps (Hurst exponents 0 to 1, 192 to 1536 points, with and without roll-off and cut-off) the
 worst is off by 2.2, lattices of 13 x 13 and 9 x 6 waves under fine noise by 3 to 5, hills of
 lognormal heights by 40."""
 
-HIGHEST, LINES = 0.02, 16
+HIGHEST_SHARE, SEARCHED_LINES = 0.02, 16
 """Share of the points that count as the highest, and rows and columns on which they are sought."""
 
 
@@ -195,9 +195,9 @@ def _steps(hm: HeightMap) -> tuple[Array, Array]:
 def straight_warning(hm: HeightMap) -> list[str]:
     """Highest points in line with their neighbors; empty where few are."""
     heights, straight = hm.source, STRAIGHT_TO * hm.roughness.rms_height
-    step = -(-len(heights) // LINES)
+    step = -(-len(heights) // SEARCHED_LINES)
     above, line, below = (heights[at : len(heights) - 2 + at : step] for at in range(3))
-    top = line >= np.quantile(line, 1.0 - HIGHEST)
+    top = line >= np.quantile(line, 1.0 - HIGHEST_SHARE)
     across = (above - 2.0 * line + below)[top]
     along = (line[:, 2:] - 2.0 * line[:, 1:-1] + line[:, :-2])[top[:, 1:-1]]
     share = max(float(np.mean(np.abs(bend) <= straight)) for bend in (along, across) if bend.size)
@@ -212,7 +212,7 @@ def straight_warning(hm: HeightMap) -> list[str]:
 
 def lay(hm: HeightMap) -> float:
     """Root-mean-square slope across the lay over that along it, by central differences on lines."""
-    step = max(1, hm.shape[0] // (2 * LINES))
+    step = max(1, hm.shape[0] // (2 * SEARCHED_LINES))
     above, line, below = (hm.source[at : hm.shape[0] - 2 + at : step] for at in range(3))
     dy, dx = hm.spacing
     y, x = (below - above)[:, 1:-1].ravel() / dy, (line[:, 2:] - line[:, :-2]).ravel() / dx
@@ -245,7 +245,7 @@ def random_map(hm: HeightMap, allowed: float) -> bool:
     about as many as differences change sign, along the lines and across.
     """
     return fine_waves_random(hm, allowed) and all(
-        abs(kurtosis - 3.0) <= allowed + ERRORS * math.sqrt(24.0 / count)
+        abs(kurtosis - 3.0) <= allowed + KURTOSIS_ERRORS * math.sqrt(24.0 / count)
         for axis in (0, 1)
         for kurtosis, count in _kurtosis(hm.source, axis, hm.periodic)
     )
@@ -254,10 +254,10 @@ def random_map(hm: HeightMap, allowed: float) -> bool:
 def _kurtosis(heights: Source, axis: int, periodic: bool) -> Iterator[tuple[float, float]]:
     """Kurtosis of the second differences of some lines along an axis, over ever longer distances,
     and the number of independent ones; of distances over which anything changes."""
-    stride = max(1, heights.shape[1 - axis] // SOME)
+    stride = max(1, heights.shape[1 - axis] // SAMPLED_LINES)
     lines = heights[::stride] if axis else np.ascontiguousarray(heights[:, ::stride].T)
     count, distance = lines.shape[1], 1
-    while distance <= count // LONGEST:
+    while distance <= count // LENGTH_OVER_DISTANCE:
         bend = _bend(lines, distance, periodic)
         up = bend > 0.0
         bend *= bend

@@ -29,10 +29,10 @@ __all__ = [
     "told",
 ]
 
-PIXELS = 1200
+PICTURE_SIDE = 1200
 """Largest side of a picture."""
 
-DECADE = 10.0
+LOGARITHMIC_RATIO = 10.0
 """Ratio of the largest to the smallest value from which on an axis is logarithmic."""
 
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
@@ -48,7 +48,7 @@ def draw_heights(
 
     about_mean = heights - np.nanmean(heights)
     scale, unit = suited(float(np.nanmax(np.abs(about_mean))), "m")
-    shown = averaged(about_mean, PIXELS) / scale
+    shown = averaged(about_mean, PICTURE_SIDE) / scale
     low, high = color_range(shown)
     look: dict[str, Any] = {"cmap": "cividis", "vmin": low, "vmax": high, "aspect": "equal"}
     extent = (0.0, size[1], 0.0, size[0])
@@ -100,12 +100,12 @@ def shown_shape(shape: Sequence[int], most: int) -> tuple[int, int]:
 def logarithmic(values: NDArray[np.float64]) -> bool:
     """Whether an axis is better logarithmic: no value is negative, and they span a decade."""
     shown = values[np.isfinite(values) & (values != 0.0)]
-    return bool(shown.size and shown.min() > 0.0 and shown.max() >= DECADE * shown.min())
+    return bool(shown.size and shown.min() > 0.0 and shown.max() >= LOGARITHMIC_RATIO * shown.min())
 
 
 def thinning(shape: tuple[int, ...]) -> int:
     """Every how many points of a map are drawn."""
-    return max(1, -(-max(shape) // PIXELS))
+    return max(1, -(-max(shape) // PICTURE_SIDE))
 
 
 def figure_height(width: float, size: tuple[float, float]) -> float:

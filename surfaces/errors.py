@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "LARGEST",
-    "LONGEST",
-    "SHORTEST",
+    "LARGEST_NUMBER",
+    "LONGEST_LENGTH",
+    "SHORTEST_LENGTH",
     "AsperityError",
     "FileFormatError",
     "InputError",
@@ -38,14 +38,14 @@ __all__ = [
     "shown",
 ]
 
-SHORTEST, LONGEST = 1e-40, 1e40
+SHORTEST_LENGTH, LONGEST_LENGTH = 1e-40, 1e40
 """Lengths [m] between which the fourth power of every slope is a floating-point number."""
 
-LARGEST = 1e100
+LARGEST_NUMBER = 1e100
 """Numbers up to this, and from its inverse on, have squares and powers that are floating-point
 numbers."""
 
-SLIMMEST = 1e3
+SLIMMEST_PIXEL = 1e3
 """Ratio of the pixel sizes beyond which one of them is in another unit: no instrument has it."""
 
 
@@ -79,7 +79,7 @@ def as_number(name: str, value: Any) -> float:
 def as_positive(name: str, value: Any) -> float:
     """The argument called `name` as a positive float, of which powers are floats, too."""
     number = as_number(name, value)
-    if not 1 / LARGEST <= number <= LARGEST:
+    if not 1 / LARGEST_NUMBER <= number <= LARGEST_NUMBER:
         raise InputError(f"{name} is {shown(value)}; it must be positive and finite")
     return number
 
@@ -109,9 +109,10 @@ def as_sizes(name: str, values: Any) -> NDArray[np.float64]:
     which powers are floats, too."""
     array = as_numbers(name, values)
     size = np.abs(array[array != 0])
-    if np.any((size < 1 / LARGEST) | (size > LARGEST)):
+    if np.any((size < 1 / LARGEST_NUMBER) | (size > LARGEST_NUMBER)):
         raise InputError(
-            f"{name} is {shown(values)}; give numbers from {1 / LARGEST:g} to {LARGEST:g}, or zero"
+            f"{name} is {shown(values)}; give numbers from {1 / LARGEST_NUMBER:g} to "
+            f"{LARGEST_NUMBER:g}, or zero"
         )
     return array
 
@@ -188,7 +189,7 @@ def checked_range(low: float, high: float, heights: Any) -> None:
             f"heights[{row}, {col}] is infinite ({sum(counts)} of {heights.size} points); mark "
             "missing points with NaN"
         )
-    if max(abs(low), abs(high)) > LONGEST or 0.0 < high - low < SHORTEST:
+    if max(abs(low), abs(high)) > LONGEST_LENGTH or 0.0 < high - low < SHORTEST_LENGTH:
         raise SurfaceError(
             f"heights reach from {low:.4g} to {high:.4g} m, which no calculation can hold; "
             "check their unit"
@@ -213,15 +214,15 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
         raise SurfaceError(
             f"spacing is {shown(spacing)}; give the pixel size (dy, dx) in m"
         ) from None
-    if not ((pair >= SHORTEST) & (pair <= LONGEST)).all():
+    if not ((pair >= SHORTEST_LENGTH) & (pair <= LONGEST_LENGTH)).all():
         raise SurfaceError(
             f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "
             "lengths in m"
         )
-    if pair.max() > SLIMMEST * pair.min():
+    if pair.max() > SLIMMEST_PIXEL * pair.min():
         raise SurfaceError(
             f"spacing is {tuple(pair.tolist())}; one pixel size (dy, dx) is more than "
-            f"{SLIMMEST:g} times the other: give both in m"
+            f"{SLIMMEST_PIXEL:g} times the other: give both in m"
         )
     return float(pair[0]), float(pair[1])
 

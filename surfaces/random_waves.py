@@ -13,7 +13,7 @@ from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory, room_for
 from surfaces.numerics.stored_array import Sections, spans
 
-from .errors import LONGEST, SHORTEST, InputError, as_count, as_number, as_numbers
+from .errors import LONGEST_LENGTH, SHORTEST_LENGTH, InputError, as_count, as_number, as_numbers
 
 __all__ = ["RandomWaves", "checked_shape", "checked_size"]
 
@@ -79,7 +79,7 @@ class RandomWaves:
             "give either rms_slope or rms_height, and not both",
         )
         _check(
-            0.0 < self._target <= LONGEST,
+            0.0 < self._target <= LONGEST_LENGTH,
             f"the rms value is {self._target}; it must be positive and finite",
         )
 
@@ -240,7 +240,7 @@ def checked_size(size: tuple[float, float]) -> tuple[float, float]:
     _check(lengths.shape == (2,), f"size is {size}; give the lengths (Ly, Lx) in m")
     ly, lx = lengths.tolist()
     _check(
-        SHORTEST <= min(ly, lx) and max(ly, lx) <= LONGEST,
+        SHORTEST_LENGTH <= min(ly, lx) and max(ly, lx) <= LONGEST_LENGTH,
         f"size is {tuple(size)}; both (Ly, Lx) must be positive lengths in m",
     )
     return ly, lx

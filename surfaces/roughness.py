@@ -18,7 +18,7 @@ __all__ = ["Roughness", "digits_warning", "line_power", "roughness", "unit_warni
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-BANDS = 32
+ROW_BANDS = 32
 """Bands of rows whose highest points are kept."""
 
 _LINES = 64
@@ -54,8 +54,8 @@ class Roughness:
     missing
         Number of missing points.
     tops, rows
-        Height [m] and row of the highest point of each column in each of `BANDS` bands of rows,
-        shape (BANDS, nx); fewer bands if there are fewer rows.
+        Height [m] and row of the highest point of each column in each of `ROW_BANDS` bands of rows,
+        shape (ROW_BANDS, nx); fewer bands if there are fewer rows.
     """
 
     mean: float
@@ -99,7 +99,7 @@ def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> 
     to the first one present.
     """
     ny, nx = heights.shape
-    bands = min(BANDS, ny)
+    bands = min(ROW_BANDS, ny)
     bounds = ny * np.arange(bands + 1) // bands
     lows, tops = np.full((bands, nx), np.inf), np.full((bands, nx), -np.inf)
     rows = np.zeros((bands, nx), np.int64)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import SLIMMEST, SurfaceError
+from .errors import SLIMMEST_PIXEL, SurfaceError
 from .heightmap import HeightMap, require_full
 from .preparation.filtering import crop
 from .preparation.resampling import resample
@@ -59,7 +59,7 @@ def composite(a: HeightMap, b: HeightMap) -> HeightMap:
     for hm in (a, b):
         require_full(hm, "a composite")
     ratio = np.divide(a.spacing, b.spacing)
-    if max(ratio.max(), 1.0 / ratio.min()) > SLIMMEST:
+    if max(ratio.max(), 1.0 / ratio.min()) > SLIMMEST_PIXEL:
         raise SurfaceError(
             f"pixels of {a.spacing[0]:g} m and {b.spacing[0]:g} m are not of one unit: "
             "give the sizes of both maps in m"

@@ -17,11 +17,11 @@ AREA_OVER_LOAD_ERROR = 3.0
 """Bound on the error of the contact area at equal load over that of the load at equal separation
 (docs/development/verification.md)."""
 
-_DECIDED = 3.0
+_DECIDED_LENGTH = 3.0
 """Length that decides whether a point is closed, over the error of the level, from which on it is
 known: the certificate weights points by their pressure, and leaves light ones a larger error."""
 
-_TOGETHER = 8
+_LEVEL_PARTS = 8
 """Parts of the error of the level within which points open or close together: points of equal
 places on a lattice do."""
 
@@ -58,7 +58,7 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     if pixels == 0.0:
         return 0.0, 0.0
     exact = problem.level.exact
-    reading, far = outcome.reading, _DECIDED * _level_error(outcome)
+    reading, far = outcome.reading, _DECIDED_LENGTH * _level_error(outcome)
     fields = exact.pressure, exact.displacement, problem.level.heights
     _, _, pressure, gap = select(*fields, reading.block_low, reading.level + far)
     pressed = pressure > 0.0
@@ -73,7 +73,7 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
 
 def _by_length(lengths: NDArray[np.float64], far: float) -> NDArray[np.int64]:
     """Number of points that are decided by lengths [units], up to the farthest, in equal steps."""
-    steps = round(_DECIDED * _TOGETHER)
+    steps = round(_DECIDED_LENGTH * _LEVEL_PARTS)
     near = np.maximum(lengths[lengths < far], 0.0) / (far / steps)
     return np.bincount(np.minimum(near.astype(np.int64), steps - 1), minlength=steps)
 
@@ -86,7 +86,7 @@ def _past_error(problem: ContactProblem, outcome: Outcome) -> float:
     reading = outcome.reading
     total, work = reading.total, 0.5 * reading.moment + reading.plastic_work
     error = _level_error(outcome)
-    if problem.boundary == "periodic" and reading.weakest * problem.own > _DECIDED * error:
+    if problem.boundary == "periodic" and reading.weakest * problem.own > _DECIDED_LENGTH * error:
         return reading.certificate.load
     if total == 0.0:
         return 0.0

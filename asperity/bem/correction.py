@@ -14,7 +14,7 @@ from .certificate import Reading, certify
 from .contact_list import ContactList
 from .full_grid import FullGridOperator
 from .operator import HalfSpaceOperator
-from .projected_gradients import SPARE, solve_on_list
+from .projected_gradients import SPARE_LOAD, solve_on_list
 from .split import SplitOperator
 
 __all__ = ["Level", "Outcome", "PoorPredictionError", "PressureOrigin"]
@@ -23,7 +23,7 @@ _FIRST_BAND = 0.15
 """Gap over the length scale below which points are candidates in the first correction, times the
 error (at most 1)."""
 
-_BAND = 2.0
+_LATER_BAND = 2.0
 """Gap over the length scale, times the error, below which points are candidates later."""
 
 _WIDEST_BAND = 0.05
@@ -198,11 +198,11 @@ class Level:
         first: bool,
     ) -> tuple[ContactList, NDArray[np.float64], NDArray[np.float64]]:
         """The candidates, their pressures and their gaps."""
-        width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _BAND * error)
+        width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _LATER_BAND * error)
         level = reading.level if offset is None else max(reading.level, offset)
         threshold = level + width * reading.scale
         total = None if mean is None else mean * self.heights.size
-        least = math.ceil(SPARE * (total or 0.0) / self.cap)
+        least = math.ceil(SPARE_LOAD * (total or 0.0) / self.cap)
         start, columns, values, gap = self._candidates(displacement, reading, threshold)
         if columns.size < min(least, self.heights.size):
             gaps = (displacement[:, : self.heights.shape[1]] - self.heights).ravel()

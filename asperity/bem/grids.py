@@ -16,10 +16,10 @@ from ._grid_kernels import interpolate
 
 __all__ = ["coarse_maps", "level_shapes", "prolong"]
 
-_SMALLEST = 48
+_COARSEST_POINTS = 48
 """Points of the shorter side at which the nested grids end."""
 
-_LARGE = 1400 * 1400
+_LARGE_GRID = 1400 * 1400
 """Points from which on the next grid has a quarter of them along each axis, else half. Passes over
 so many are bound by memory: one of half the points costs a third of the finest grid, and saves less
 there than on smaller ones."""
@@ -29,8 +29,8 @@ def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
     """Shapes of the nested grids, coarsest first; each has about half the points of the next along
     each axis, or a quarter."""
     shapes = [shape]
-    while min(shapes[0]) > _SMALLEST:
-        step = 4 if math.prod(shapes[0]) > _LARGE else 2
+    while min(shapes[0]) > _COARSEST_POINTS:
+        step = 4 if math.prod(shapes[0]) > _LARGE_GRID else 2
         ny, nx = (scipy.fft.next_fast_len(-(-n // step), real=True) for n in shapes[0])
         shapes.insert(0, (ny, nx))
     return shapes

@@ -47,7 +47,7 @@ _LEAST_SHARE = 0.3
 _MOST_TIMES = 5
 """How often a load is solved further."""
 
-_SHARPEST = 1e-11
+_SMALLEST_TOLERANCE = 1e-11
 """Smallest tolerance that an accuracy leads to."""
 
 _LARGEST_RATIO = 4.0
@@ -193,7 +193,7 @@ class LoadPath:
         over = max(load / self._accuracy[0], area / allowed)
         if not 0.0 < over < math.inf:
             return outcome.tolerance
-        tolerance = max(_AIM * outcome.tolerance / over, _SHARPEST)
+        tolerance = max(_AIM * outcome.tolerance / over, _SMALLEST_TOLERANCE)
         self._tolerance = min(tolerance, self.problem.tolerance)
         return tolerance
 

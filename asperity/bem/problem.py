@@ -33,11 +33,11 @@ _FIRST_LOAD = 1e-3
 """First mean of p~ tried for a prescribed separation, over the rms height; for a flat map this
 is at least the same part of how far it is pressed in."""
 
-_PLAIN = 1e-9, 1e9
+_PLAIN_HEIGHTS = 1e-9, 1e9
 """Rms heights [m] that the solver takes as they are: loops in single precision hold their squares,
 and those of pressures far below them."""
 
-_FLAT = 1e-6
+_FLAT_UNIT = 1e-6
 """Unit inside of a flat map, over its pixels: it has no height of its own."""
 
 
@@ -81,7 +81,7 @@ class ContactProblem:
         require_memory(hm.shape, self.boundary, share)
         self.hm, self.material, self.tolerance = hm, material, float(tolerance)
         exact = HalfSpaceOperator(hm.shape, hm.spacing, material, self.boundary)
-        self.unit = _unit(hm.roughness.rms_height or _FLAT * max(hm.spacing))
+        self.unit = _unit(hm.roughness.rms_height or _FLAT_UNIT * max(hm.spacing))
         self.compliance = exact.compliance / self.unit
         self.own = float(influence((1, 1), hm.spacing, exact.m)[0, 0])
         heights = heights if self.unit == 1.0 else heights / self.unit
@@ -260,7 +260,7 @@ class ContactProblem:
 
 def _unit(rms_height: float) -> float:
     """Unit of heights [m] in which none is very small or large."""
-    low, high = _PLAIN
+    low, high = _PLAIN_HEIGHTS
     if low <= rms_height <= high:
         return 1.0
     return math.ldexp(1.0, math.frexp(rms_height)[1])

@@ -16,13 +16,13 @@ __all__ = ["Profile", "axes", "gap", "map_of", "sampled", "section_box"]
 Profile = Callable[[Any, Any], Any]
 """Gap f(r, phi) [m] between a body and the tangent plane at its summit."""
 
-_RAYS = 256
+_SECTION_RAYS = 256
 """Rays on which the section is looked for."""
 
 _MAX_RADIUS_RATIO = 1e9
 """Ratio of radii beyond which a ray is taken never to reach the approach."""
 
-_DEEPEST = 10.0
+_CUT_DEPTH = 10.0
 """Depth below the summit, over the approach, at which a body is cut off: four times what the grid
 around the contact of a paraboloid shows."""
 
@@ -77,9 +77,12 @@ def section_box(profile: Profile, approach: float) -> tuple[float, float, float,
     InputError
         If the profile does not rise to the approach on every ray.
     """
-    phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
+    phi = np.linspace(0.0, 2.0 * np.pi, _SECTION_RAYS, endpoint=False)
     radius = getattr(profile, "radius", np.inf)
-    low, high = np.zeros(_RAYS), np.full(_RAYS, 1e-30 if not np.isfinite(radius) else radius)
+    low, high = (
+        np.zeros(_SECTION_RAYS),
+        np.full(_SECTION_RAYS, 1e-30 if not np.isfinite(radius) else radius),
+    )
     for _ in range(400):
         short = gap(profile, high, phi) < approach
         if not short.any():
@@ -114,5 +117,5 @@ def map_of(
     spacing, summit = ((y1 - y0) / grid, (x1 - x0) / grid), (-x0, -y0)
     px, py = np.meshgrid(*axes((grid, grid), spacing, summit))
     below = gap(profile, np.hypot(px, py), np.arctan2(py, px))
-    heights = -np.minimum(below, _DEEPEST * approach)
+    heights = -np.minimum(below, _CUT_DEPTH * approach)
     return HeightMap(heights, spacing, name="profile"), summit

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from . import _list_kernels
 
-__all__ = ["SPARE", "ListOperator", "solve_on_list"]
+__all__ = ["SPARE_LOAD", "ListOperator", "solve_on_list"]
 
-SPARE = 1.05
+SPARE_LOAD = 1.05
 """Load that the points under pressure can bear under a cap, over the prescribed one."""
 
 _SHORTEST_STEP = 1e-3
@@ -178,10 +178,10 @@ class _State:
             # a step leaves the displacement of pressures beyond their bounds, far beyond low caps
             _list_kernels.cut(self.pressure, self.base, self.moved, (0.0, 1.0), self.cap)
             gap = np.where(loaded, np.inf, self.start_gap + self.operator.apply(self.moved))
-            more = max(math.ceil(SPARE * needed - count), 1)
+            more = max(math.ceil(SPARE_LOAD * needed - count), 1)
             lowest = np.argsort(gap)[:more]
             # hardly more than is missing: what a step moved to the cap would be shifted back
-            least = min(self.cap * (needed - count + SPARE - 1.0) / more, self.total)
+            least = min(self.cap * (needed - count + SPARE_LOAD - 1.0) / more, self.total)
             self.pressure[lowest] = np.maximum(self.pressure[lowest], least)
         found: tuple[float, float]
         found = _list_kernels.leveling(self.pressure, self.total, self.cap)

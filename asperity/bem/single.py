@@ -28,7 +28,7 @@ _COARSE_POINTS = 64
 _MARGIN = 1.1
 """Sides of the fine grid over those of the box about the contact found."""
 
-_RAYS = 256
+_MEAN_PROFILE_RAYS = 256
 """Rays of the mean profile, from which the first approach to a load is taken."""
 
 _MAX_APPROACHES = 30
@@ -281,9 +281,9 @@ def _coarse_solution_at_load(
 ) -> tuple[float, BemSolution, tuple[float, float]]:
     """Approach [m] and coarse solution that carry the load to 2 %, by secants in logarithms."""
     radius = getattr(profile, "radius", np.inf)
-    phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
+    phi = np.linspace(0.0, 2.0 * np.pi, _MEAN_PROFILE_RAYS, endpoint=False)
     start = radius / 8 if np.isfinite(radius) else 1.0
-    depth = float(np.mean(gap(profile, np.full(_RAYS, start), phi)))
+    depth = float(np.mean(gap(profile, np.full(_MEAN_PROFILE_RAYS, start), phi)))
     power, last = 1.5, None
     for _ in range(_MAX_APPROACHES):
         coarse, summit = _coarse_solution(profile, material, depth)

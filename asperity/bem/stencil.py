@@ -21,10 +21,10 @@ from ._stencil_kernels import RADIUS, SHORT_RADIUS
 
 __all__ = ["fitted_stencil", "precondition_stencil", "quadrant", "stencil_symbol"]
 
-_SAMPLES = 40
+_FREQUENCIES = 40
 """Frequencies per axis at which the symbol is fitted."""
 
-_FLOOR = 2e-3
+_LEAST_WEIGHT = 2e-3
 """Least weight of a frequency in the fit, relative to those beyond the coarse band."""
 
 
@@ -36,7 +36,7 @@ def _fitting_weights(
     band = 0.5 / coarsening
     inside = largest < band
     ratio = np.where(inside, largest / np.maximum(2.0 * band - largest, 1e-9), 1.0)
-    return np.asarray(np.maximum(np.minimum(ratio**order, 1.0), _FLOOR))
+    return np.asarray(np.maximum(np.minimum(ratio**order, 1.0), _LEAST_WEIGHT))
 
 
 def _target(
@@ -45,10 +45,10 @@ def _target(
     """Sample frequencies [cycles per pixel] along y and x, and the symbol on their grid."""
     spacing = (math.sqrt(aspect), 1.0 / math.sqrt(aspect))
     if free:
-        quadrant = influence((_SAMPLES + 1, _SAMPLES + 1), spacing, m)
-        f = np.arange(1, _SAMPLES + 1) / (2 * _SAMPLES)
+        quadrant = influence((_FREQUENCIES + 1, _FREQUENCIES + 1), spacing, m)
+        f = np.arange(1, _FREQUENCIES + 1) / (2 * _FREQUENCIES)
         return f, f, np.ascontiguousarray(scipy.fft.dctn(quadrant, type=1)[1:, 1:])
-    f = (np.arange(_SAMPLES) + 0.5) / (2 * _SAMPLES)
+    f = (np.arange(_FREQUENCIES) + 0.5) / (2 * _FREQUENCIES)
     square = (f[:, None] / spacing[0]) ** 2 + (f[None, :] / spacing[1]) ** 2
     return f, f, (4.0 * np.pi**2 * square) ** (0.5 * (m - 1.0))
 

@@ -13,10 +13,10 @@ from .correction import Level
 
 __all__ = ["contact_stiffness"]
 
-RESIDUAL = 0.02
+STIFFNESS_RESIDUAL = 0.02
 """Preconditioned residual at which the solve ends: the stiffness is off by its square."""
 
-MAX_STEPS = 60
+MAX_GRADIENT_STEPS = 60
 """Conjugate-gradient steps."""
 
 
@@ -47,8 +47,8 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
     q, residual = np.zeros(len(points)), np.ones(len(points), np.float32)
     ahead = filtered = operator.precondition(residual)
     first = size = float(np.dot(residual, filtered))
-    for _ in range(MAX_STEPS):
-        if not size > RESIDUAL**2 * first:
+    for _ in range(MAX_GRADIENT_STEPS):
+        if not size > STIFFNESS_RESIDUAL**2 * first:
             break
         answer = operator.apply(ahead)
         bend = float(np.dot(ahead, answer))

@@ -26,7 +26,7 @@ Numbers and words are a row of the table; lists and mappings are told by ``--jso
 ``converged`` or ``valid`` that is false decides on the exit code, ``reason`` says why.
 """
 
-WIDEST = 44
+WIDEST_CELL = 44
 """Most characters of a cell on the terminal."""
 
 
@@ -149,6 +149,6 @@ def _cell(name: str, value: Any) -> str:
         number = float(value)
         return f"{number:.0f}" if number.is_integer() and abs(number) < 1e6 else f"{number:.4g}"
     text = str(value)
-    if len(text) <= WIDEST:
+    if len(text) <= WIDEST_CELL:
         return text
-    return f"{text[: WIDEST - 3]}..." if name == "reason" else f"...{text[3 - WIDEST :]}"
+    return f"{text[: WIDEST_CELL - 3]}..." if name == "reason" else f"...{text[3 - WIDEST_CELL :]}"

@@ -34,7 +34,7 @@ LOOSE_TOLERANCE = 1e-2
 SMALLEST_GRID = 48
 """Coarse boundary-element grids stop here."""
 
-LARGEST = 1024
+LARGEST_SIDE = 1024
 """Points along a side up to which the whole map is refined; of a larger one a part is."""
 
 REFINED_TOLERANCE = 1e-3
@@ -112,7 +112,7 @@ def refined_run(
         return None
     order = usable[np.argsort(reference.mean_pressure[usable])]
     own = reference.select(order[[0, -1][: len(order)]])
-    part = hm if max(hm.shape) <= LARGEST else representative_part(hm)
+    part = hm if max(hm.shape) <= LARGEST_SIDE else representative_part(hm)
     finer = surfaces.resample(part, (part.spacing[0] / 2, part.spacing[1] / 2))
     if not fits(finer.shape, boundary, 1):
         return None

@@ -28,13 +28,13 @@ __all__ = ["pressed_pixels", "pressure_map"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-CORRECTIONS = 3
+PRESSURE_CORRECTIONS = 3
 """Corrections of the pressure by the gap it leaves; more change little."""
 
-SATURATED = 0.999
+SATURATED_PRESSURE = 0.999
 """Pressure over the hardness from which on a pixel has yielded: its gap is no error."""
 
-RELAXATION = 0.7
+CORRECTION_RELAXATION = 0.7
 """Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
 
 
@@ -69,7 +69,7 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
     grid = _Grid.of(decomposition, state, solved, decomposition.peaks.labels)
     pressed = grid.occupied(solved.heights, state.area, state.force)
-    for _ in range(CORRECTIONS):
+    for _ in range(PRESSURE_CORRECTIONS):
         pressure = _image(solved, *pressed)
         field = grid.corrected(pressure, grid.gap_stiffness)
         pressed = grid.occupied(field, state.area, state.force)
@@ -178,8 +178,8 @@ class _Grid:
         weight = weight + 1e-12 * weight.max()
         mean = np.add.reduceat(weight * gaps, self.first) / np.add.reduceat(weight, self.first)
         gap.flat[self.pixel] = gaps - self._at_pixels(mean)
-        touching = (pressure > 0.0) & (pressure < SATURATED * self.hardness)
-        pressed = pressure - RELAXATION * self.pressed_flat(np.where(touching, gap, 0.0))
+        touching = (pressure > 0.0) & (pressure < SATURATED_PRESSURE * self.hardness)
+        pressed = pressure - CORRECTION_RELAXATION * self.pressed_flat(np.where(touching, gap, 0.0))
         return np.where(touching, pressed, pressure - stiffness * gap)
 
     def occupied(

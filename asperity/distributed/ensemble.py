@@ -28,7 +28,7 @@ from .work import Outcome, load_map
 
 __all__ = ["enough", "ensemble", "seeded", "windows_of"]
 
-LEAST = 10
+LEAST_MEMBERS = 10
 """Least members before the band is narrow enough: fewer tell too little of their scatter."""
 
 FURTHER = 4
@@ -158,7 +158,7 @@ def ensemble(
 def enough(widths: Sequence[float], until: float) -> bool:
     """Whether no further member is added, from the widths of the band with one and more members."""
     narrow = widths[-1] <= until
-    return narrow and sum(width <= until for width in widths[LEAST - 1 :]) > FURTHER
+    return narrow and sum(width <= until for width in widths[LEAST_MEMBERS - 1 :]) > FURTHER
 
 
 def seeded(make: Any, seeds: int | Sequence[int]) -> list[Callable[[], HeightMap]]:

@@ -15,7 +15,7 @@ from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.indentation import Indentation
 from asperity.results.curve import ContactCurve
-from asperity.results.interpolation import SLACK
+from asperity.results.interpolation import END_SLACK
 from asperity.results.table import require_curve
 from surfaces.errors import as_count, as_positive, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
@@ -300,7 +300,7 @@ def friction_curve(
         raise InputError(ELASTIC_ALONE)
     whole = curve.at(pressure=pressure)
     lightest = float(curve.mean_pressure[curve.converged & (curve.mean_pressure > 0)].min())
-    if not lightest < (1 - SLACK) * pressure:
+    if not lightest < (1 - END_SLACK) * pressure:
         raise InputError(
             f"the curve begins at {lightest:.4g} Pa, not below {pressure:.4g} Pa; "
             "partial slip needs lighter load points as well"

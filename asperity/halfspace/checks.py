@@ -21,19 +21,19 @@ from .material import HalfSpace
 
 __all__ = ["hardness_needed", "model_warnings", "modulus_warning", "scene_warnings"]
 
-STEEP = 0.5
+STEEP_SLOPE = 0.5
 """Rms slope from which on small-slope elasticity is warned of."""
 
-METALS = 1e10, 1e12
+METAL_MODULI = 1e10, 1e12
 """Moduli E* [Pa] between which a body may be a metal."""
 
-HARDEST = 0.035
+HARDEST_METAL = 0.035
 """Hardness over E* that hardly a metal exceeds: 8 GPa of hardened steel."""
 
-SOFTEST = 1e3
+SOFTEST_SOLID = 1e3
 """Modulus [Pa] below which it is that of no solid: a soft gel has more."""
 
-TILTED = 0.9
+TILTED_SHARE = 0.9
 """Share of a plane in the variance of heights from which on a tilt is warned of: parts of rough
 surfaces without a longest wave have up to 0.82."""
 
@@ -48,7 +48,7 @@ def scene_warnings(hm: HeightMap, material: HalfSpace) -> list[str]:
         *unit_warning(found.rms_slope),
         *modulus_warning(material),
         *_steep_warning(found.rms_slope),
-        *tilt_warning(hm, TILTED),
+        *tilt_warning(hm, TILTED_SHARE),
         *resolution_warning(hm, DEFAULTS.pixel_waves.to_the_pixel),
         *spike_warning(hm),
         *seam_warning(hm),
@@ -67,7 +67,7 @@ def modulus_warning(material: HalfSpace) -> list[str]:
 
     A modulus of one is the unit of dimensionless work.
     """
-    if material.m != 0.0 or material.modulus >= SOFTEST or material.modulus == 1.0:
+    if material.m != 0.0 or material.modulus >= SOFTEST_SOLID or material.modulus == 1.0:
         return []
     return [
         f"a modulus E* of {material.modulus:.3g} Pa is that of no solid: moduli are in Pa "
@@ -90,16 +90,16 @@ def hardness_needed(hm: HeightMap, material: HalfSpace) -> tuple[str, list[str]]
         )
     share = slope / AREA_OVER_LOAD
     told = f"elastic contacts carry about {mean:.2g} Pa, {100 * share:.2g} % of the modulus"
-    metal = material.m == 0.0 and METALS[0] < material.modulus < METALS[1]
+    metal = material.m == 0.0 and METAL_MODULI[0] < material.modulus < METAL_MODULI[1]
     doubt = (
         f"{told}: metals yield at 0.3 to 3 % of it, and then touch on more area; give the hardness "
         "of the softer body (hardness=, --hardness) if it is one"
     )
-    return f"hardness: none, {told}", [doubt] if metal and share > HARDEST else []
+    return f"hardness: none, {told}", [doubt] if metal and share > HARDEST_METAL else []
 
 
 def _steep_warning(slope: float) -> list[str]:
-    if slope < STEEP:
+    if slope < STEEP_SLOPE:
         return []
     return [
         f"the rms slope is {slope:.2g}: linear elasticity is of small slopes, and the answer is "

@@ -11,9 +11,9 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, hyp1f1
 
-__all__ = ["FLOOR", "Footprints", "at_origin", "pair_table", "smooth_polynomials"]
+__all__ = ["OUTSIDE_SHARE", "Footprints", "at_origin", "pair_table", "smooth_polynomials"]
 
-FLOOR = 0.02
+OUTSIDE_SHARE = 0.02
 """Share of a contact's own compliance that is kept outside its footprint (delta)."""
 
 PAIR_NODES = 2048
@@ -81,7 +81,7 @@ class Footprints:
     @property
     def rule(self) -> tuple[float, float]:
         """Factor f and exponent q of the variance (f k)^q of a footprint."""
-        return (1 + FLOOR) * self.self_factor, 2 / self.power
+        return (1 + OUTSIDE_SHARE) * self.self_factor, 2 / self.power
 
     def variance(self, stiffness: ArrayLike) -> NDArray[np.float64]:
         """Variance per axis [m^2] of the footprint of a contact of tangent stiffness k [N/m]."""

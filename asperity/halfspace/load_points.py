@@ -36,7 +36,7 @@ AREA_OVER_LOAD = 2.0
 """Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
 Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
 
-_LARGEST = 1e40
+_LARGEST_LOAD = 1e40
 """Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
 
 MOST_LOADS = 10_000
@@ -151,11 +151,11 @@ def checked_loads(
         raise InputError(
             f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
         )
-    strange = (abs(values) > _LARGEST) | ((abs(values) < 1 / _LARGEST) & (values != 0))
+    strange = (abs(values) > _LARGEST_LOAD) | ((abs(values) < 1 / _LARGEST_LOAD) & (values != 0))
     if strange.any():
         unit = "Pa" if kind == "pressure" else "m"
         raise InputError(
             f"the {kind} {values[strange][0]:.4g} {unit} is beyond what can be calculated "
-            f"({1 / _LARGEST:g} to {_LARGEST:g} {unit}, or zero)"
+            f"({1 / _LARGEST_LOAD:g} to {_LARGEST_LOAD:g} {unit}, or zero)"
         )
     return kind, values

@@ -10,7 +10,7 @@ from surfaces.errors import as_number
 
 __all__ = ["HalfSpace", "require_half_space"]
 
-_SOFTEST, _STIFFEST = 1e-40, 1e40
+_LEAST_MODULUS, _LARGEST_MODULUS = 1e-40, 1e40
 """Moduli [Pa] whose products with lengths and each other floating-point numbers hold."""
 
 
@@ -162,9 +162,10 @@ def _number(value: float, name: str) -> float:
 def _require_modulus(value: float, name: str) -> None:
     if value <= 0:
         raise InputError(f"{name} must be positive, got {value:g} Pa")
-    if not _SOFTEST <= value <= _STIFFEST:
+    if not _LEAST_MODULUS <= value <= _LARGEST_MODULUS:
         raise InputError(
-            f"{name} is {value:g} Pa, beyond {_SOFTEST:g} to {_STIFFEST:g} Pa; check its unit"
+            f"{name} is {value:g} Pa, beyond {_LEAST_MODULUS:g} to {_LARGEST_MODULUS:g} Pa; check "
+            "its unit"
         )
 
 

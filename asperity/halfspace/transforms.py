@@ -24,7 +24,7 @@ __all__ = ["edge_weights", "gauss_jacobi", "kappa", "moment_weights", "moments"]
 
 Array = NDArray[np.float64]
 
-_LARGE = 2000.0
+_LARGE_EXPONENT = 2000.0
 """Exponent above which differences of log-Gamma lose digits."""
 
 MOMENT_RADII, EDGE_RADII = 13, 25
@@ -53,11 +53,13 @@ def kappa(m: float, k: ArrayLike) -> Array:
     """
     exponent = np.asarray(k, dtype=float)
     delta = (1 - m) / 2
-    small = np.minimum(exponent, _LARGE)
+    small = np.minimum(exponent, _LARGE_EXPONENT)
     near = gammaln(small / 2 + 1) - gammaln((small + m + 1) / 2)
-    middle = np.maximum(exponent, _LARGE) / 2 + (1 + m) / 4
+    middle = np.maximum(exponent, _LARGE_EXPONENT) / 2 + (1 + m) / 4
     far = delta * np.log(middle) + np.log1p(-delta * (delta * delta - 1) / (24 * middle**2))
-    return np.asarray(np.exp(np.where(exponent < _LARGE, near, far) + gammaln((1 + m) / 2)))
+    return np.asarray(
+        np.exp(np.where(exponent < _LARGE_EXPONENT, near, far) + gammaln((1 + m) / 2))
+    )
 
 
 @lru_cache(maxsize=64)

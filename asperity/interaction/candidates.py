@@ -27,38 +27,38 @@ __all__ = ["CandidateList"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-ROOM = 1.3
+FOOTPRINT_GROWTH = 1.3
 """Approach over the present one for which the footprints of a list are meant."""
 
-SAMPLE = 1000
+SAMPLED_CONTACTS = 1000
 """Contacts of which the widest footprint and the mean distance are estimated."""
 
-LONG = 0.5
+ELONGATED_SHARE = 0.5
 """Share of the moment along a footprint for which lists are meant, where it exceeds the round one:
 beyond the near pairs footprints are round. With lay of 4:1 the load at 25 % of contact hangs on the
 list by 0.6 %, with 6:1 by 0.3 % (by 5 and 18 % if meant for round ones; seed 1)."""
 
-STRAY = 0.06
+LARGEST_DISTANCE = 0.06
 """Mean distance of contacts from their centres, over their radius, at which they may stay."""
 
-SKIN = 0.15
+PAIR_LIST_SKIN = 0.15
 """Distance from where the near pairs were listed, over the split length, that points may reach."""
 
-ASTRAY = 1e-3
+LARGEST_FIELD_ERROR = 1e-3
 """Share of the load that their distance from their centres may make in the slope of the field."""
 
-MANY = 5000
+MANY_CONTACTS = 5000
 """Closed contacts from which on the two bounds below hold; for fewer they are proportionally
 smaller, as one that leaps counts more."""
 
-ALLOWED = 0.1
-"""Part of the tolerance that this error of the load may be, no less than `ASTRAY`."""
+ERROR_PER_TOLERANCE = 0.1
+"""Part of the tolerance that this error of the load may be, no less than `LARGEST_FIELD_ERROR`."""
 
-LEAPING = 0.02
+LARGEST_LEAPING_LOAD = 0.02
 """Share of the load in contacts that leap farther than the skin beyond which lists are made for
 their new places."""
 
-BACK = 0.5
+RETURNING_SHARE = 0.5
 """Share of its way that a point is moved where it was moved the other way before: contacts on one
 ridge can pass their load, and with it their centres, back and forth."""
 
@@ -127,8 +127,8 @@ class CandidateList:
         if system.has_centres:
             offset[:, closed] = system.table.centre_at(closed, approach)
         dx, dy = offset[:, index]
-        some = slice(None, None, 1 + len(closed) // SAMPLE)
-        law = system.laws.rows(closed[some])(ROOM * approach[some])
+        some = slice(None, None, 1 + len(closed) // SAMPLED_CONTACTS)
+        law = system.laws.rows(closed[some])(FOOTPRINT_GROWTH * approach[some])
         plan = Interaction(
             system.y[index] + dy,
             system.x[index] + dx,
@@ -183,7 +183,7 @@ class CandidateList:
         if not system.has_centres:
             return self
         touches = np.flatnonzero(values[0] > 0)
-        some = touches[:: 1 + len(touches) // SAMPLE]
+        some = touches[:: 1 + len(touches) // SAMPLED_CONTACTS]
         laws = system.laws.rows(rows[some])
         laws.make()
         law = laws(values[0, some])
@@ -191,23 +191,23 @@ class CandidateList:
         plan = self.problem.plan
         if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
             return None
-        many = min(1.0, len(touches) / MANY)
-        bound = max(ASTRAY, many * ALLOWED * tolerance)
+        many = min(1.0, len(touches) / MANY_CONTACTS)
+        bound = max(LARGEST_FIELD_ERROR, many * ERROR_PER_TOLERANCE * tolerance)
         seen = bound, rows[some], law, *values[[0, 2, 3]][:, some]
         if not self._strayed(system, *seen):
             return self
         closed, approach = rows[touches], values[0, touches]
-        listed, skin = self.listed[:, closed], SKIN * plan.eta
+        listed, skin = self.listed[:, closed], PAIR_LIST_SKIN * plan.eta
         reach = system.table.centre_at(closed, approach) - listed
         far = (np.abs(reach) > skin).any(axis=0)
-        if values[1, touches[far]].sum() > many * LEAPING * values[1].sum():
+        if values[1, touches[far]].sum() > many * LARGEST_LEAPING_LOAD * values[1].sum():
             return None
         change = np.zeros_like(self.offset)
         change[:, closed] = listed + np.clip(reach, -skin, skin) - self.offset[:, closed]
         if replace(self, offset=self.offset + change)._strayed(system, *seen):
             return None
         back = np.sum(change * self.moved, axis=0) < 0
-        change[:, back] *= BACK
+        change[:, back] *= RETURNING_SHARE
         dx, dy = change[:, self.index]
         problem = replace(self.problem, plan=plan.moved(dy, dx))
         return replace(self, problem=problem, offset=self.offset + change, moved=change)
@@ -226,7 +226,7 @@ class CandidateList:
         centre = system.table.centre_at(closed, approach)
         x, y = np.subtract(centre, self.offset[:, closed])
         lower = np.sum(law.stiffness * (tilt[0] * y + tilt[1] * x))
-        astray = np.hypot(x, y) - STRAY * np.sqrt(law.area / np.pi)
+        astray = np.hypot(x, y) - LARGEST_DISTANCE * np.sqrt(law.area / np.pi)
         return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 
     def areas(self, system: ContactSystem, solution: Solution) -> Array:
@@ -270,6 +270,6 @@ def _widest(
     variance = footprints.variance(law.stiffness)
     if elongation is not None:
         along = elongation.rows(closed).along
-        variance = variance * np.maximum(1.0, LONG * along)
+        variance = variance * np.maximum(1.0, ELONGATED_SHARE * along)
     most = int(0.98 * (len(variance) - 1))
     return float(np.partition(variance, most)[most])

@@ -21,34 +21,34 @@ if TYPE_CHECKING:
 
     from .contact_system import ContactSystem
 
-__all__ = ["CROWDED", "Start", "descend", "solve_at", "start_of"]
+__all__ = ["CROWDED_AREA", "Start", "descend", "solve_at", "start_of"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-SPARE = 1.5
+SPARE_CANDIDATES = 1.5
 """Listed summits over those that can touch now, so that lists last for several separations."""
 
-DEEPER = 1.1
+FIELD_GROWTH = 1.1
 """Depth of the field allowed for at the next separation, over that of the last."""
 
-NEW_LOAD = 1.05
+FIELD_GROWTH_OF_LOAD = 1.05
 """Depth of the field allowed for at the next load, over that of the last: most loads lie too far
 apart for a list to last."""
 
-MAX_PLACED = 8
+MAX_LISTS = 8
 """Times that the lists are made anew at one separation: deeper, or about moved contacts."""
 
-BLIND = 0.1
+FIRST_TOLERANCE = 0.1
 """Tolerance of the first solve of all, whose lists and centres are guessed."""
 
-LACKING = 0.05
+LACKING_CANDIDATES = 0.05
 """Contacts that a list may lack after a solve, over the closed ones and the tolerance."""
 
-CROWDED = 0.3
+CROWDED_AREA = 0.3
 """Contact area over nominal area beyond which a point that does not come out is refused."""
 
-LEVEL = 1e-9
+RISE_BY_ROUNDING = 1e-9
 """Rise of the flat under more load that rounding explains, over its fall since the first touch."""
 
 
@@ -74,7 +74,7 @@ def solve_at(
     good: tuple[CandidateList, Solution, Array] | None = None
     steps = products = 0
     blind, rounded = not last.points, False
-    for placed in range(MAX_PLACED + 1):
+    for placed in range(MAX_LISTS + 1):
         if listed is None:
             listed = CandidateList.of(
                 system,
@@ -96,7 +96,7 @@ def solve_at(
                 listed.problem, values[0], values[1], tolerance=tolerance
             )
             start = better if math.isfinite(float(better.sum())) else start
-        bound = max(tolerance, BLIND) if blind else tolerance
+        bound = max(tolerance, FIRST_TOLERANCE) if blind else tolerance
         found = descend(
             listed.problem,
             separation,
@@ -108,8 +108,8 @@ def solve_at(
         )
         solution = _ordered(last, found, tolerance)
         steps, products = steps + solution.steps, products + solution.products
-        long = listed.problem.elongation is not None and _share(system, solution) <= CROWDED
-        if solution.reason and long and good is None and placed < MAX_PLACED:
+        long = listed.problem.elongation is not None and _share(system, solution) <= CROWDED_AREA
+        if solution.reason and long and good is None and placed < MAX_LISTS:
             listed, rounded = None, True  # long footprints, not the crowd, may be why
             continue
         field, values, separation = listed.problem.plan.smooth, solution.values, solution.separation
@@ -117,18 +117,18 @@ def solve_at(
         if solution.reason and good is not None:
             current, solution, values = good  # whose contacts have hardly strayed
             break
-        if solution.reason or placed == MAX_PLACED:
+        if solution.reason or placed == MAX_LISTS:
             break
         growth, rise = 1.0, 0.0
         # those that only just touch carry less than their share of the load
-        few = LACKING * tolerance * np.count_nonzero(values[0] > 0)
+        few = LACKING_CANDIDATES * tolerance * np.count_nonzero(values[0] > 0)
         again = not (listed.lacks(system, field, separation, growth, few) or blind)
         listed = current.recentred(system, rows, values, tolerance) if again else None
         blind = False
         if listed is current:
             break
         good = None if listed is None else (current, solution, values)
-    if solution.reason and _share(system, solution) > CROWDED:
+    if solution.reason and _share(system, solution) > CROWDED_AREA:
         reason = (
             f"contacts fill {100 * _share(system, solution):.0f} % of the nominal area and do not "
             f"settle ({solution.reason}): they are too crowded to be separate"
@@ -161,9 +161,9 @@ def start_of(
     """Where the solve of a point starts; arguments as of `solve_at`."""
     system, listed = last.system, last.candidates
     rows, values = last.predicted(separation, pressure)
-    growth, spare = DEEPER, SPARE
+    growth, spare = FIELD_GROWTH, SPARE_CANDIDATES
     if pressure is not None and last.points and last.points[-1].pressure > 0:
-        growth, spare = max(1.0, pressure / last.points[-1].pressure), NEW_LOAD
+        growth, spare = max(1.0, pressure / last.points[-1].pressure), FIELD_GROWTH_OF_LOAD
     rise = last.rise(separation, values)
     if listed is not None:
         lacks = listed.lacks(system, last.field, separation + rise, growth)
@@ -206,7 +206,7 @@ def _ordered(last: Continuation, solution: Solution, tolerance: float) -> Soluti
     for separation, pressure in ((top, 0.0), last.heaviest or (top, 0.0)):
         apart = abs(load - pressure) > 2 * tolerance * max(load, pressure)
         over = (solution.separation - separation) * (1 if load > pressure else -1)
-        if apart and over > LEVEL * (top - separation):
+        if apart and over > RISE_BY_ROUNDING * (top - separation):
             reason = (
                 f"at {load:.3g} Pa the flat would stand higher than under less load: the "
                 "contacts overlap too far to be separate"

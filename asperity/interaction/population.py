@@ -8,22 +8,22 @@ from dataclasses import replace
 import numpy as np
 
 from asperity.errors import InputError
-from asperity.interaction.newton.laws import BLOCK
+from asperity.interaction.newton.laws import LEAST_BATCH
 
 from .contact_system import ContactSystem
-from .coupled_solve import CROWDED, solve_at, start_of
+from .coupled_solve import CROWDED_AREA, solve_at, start_of
 from .population_state import Continuation, PopulationState
 
 __all__ = ["Population", "PopulationState", "handed_on", "solve_under"]
 
-LARGEST_AREA = 0.5
+LARGEST_AREA_FRACTION = 0.5
 """Contact area over nominal area beyond which separate contacts have lost their meaning."""
 
-SPREADING = 0.7
+CONTACTS_EXPONENT = 0.7
 """Power of the load with which the number of contacts grows (0.6 to 0.9 below 10 % of contact): of
 the highest summits, so many, about nine in ten touch then."""
 
-LARGE = 20_000
+LARGE_LIST = 20_000
 """Candidates of a list whose memory counts."""
 
 MAX_DOUBLINGS = 100
@@ -35,11 +35,11 @@ MAX_SEARCH = 40
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
 
-NEAR = 1e-3
+LOAD_TOLERANCE = 1e-3
 """Relative error of the load at which the search ends; where separations do not tell loads so near
 each other apart, half the tolerance."""
 
-EXACT = 1e-6
+INDEPENDENT_LOAD_TOLERANCE = 1e-6
 """Relative error of the load of independent contacts, for which a step costs no field."""
 
 
@@ -123,15 +123,15 @@ class Population(ContactSystem):
             raise InputError(f"pressure must not be negative, got {pressure:g} Pa")
         if heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
-            self.laws.foresee(self.by_height[: int(state.active * growth**SPREADING)])
+            self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
         return self._judged(solve_under(last, pressure, tolerance, state))
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area
-        if share > LARGEST_AREA:
+        if share > LARGEST_AREA_FRACTION:
             reason = (
                 f"contacts fill {100 * share:.0f} % of the nominal area, more than the "
-                f"{100 * LARGEST_AREA:.0f} % up to which separate contacts are a model"
+                f"{100 * LARGEST_AREA_FRACTION:.0f} % up to which separate contacts are a model"
             )
             return state.refused(reason)
         return state
@@ -156,7 +156,7 @@ def handed_on(
         return state
     if separation is None and pressure:
         separation = last.predicted_separation(pressure)
-    if separation is None or len(last.candidates.index) < LARGE:
+    if separation is None or len(last.candidates.index) < LARGE_LIST:
         return state
     listed = start_of(last, separation, pressure, tolerance).listed
     last = last.without_contacts() if listed is None else replace(last, candidates=listed)
@@ -194,7 +194,7 @@ def solve_under(
     if guess is None:
         guess = _independent_separation(system, pressure)
     found = solve_at(last, guess, tolerance, pressure)
-    if found.converged or found.contact_area > CROWDED * system.nominal_area:
+    if found.converged or found.contact_area > CROWDED_AREA * system.nominal_area:
         return found
     searched = _searched(last, pressure, tolerance, state)
     return searched if searched.converged or searched.residual < found.residual else found
@@ -209,7 +209,7 @@ def _searched(
     low, high, step = -math.inf, top, 0.1 * _relief(system)
     if state is None or not state.mean_pressure > 0:
         state = solve_at(last, _independent_separation(system, pressure), tolerance)
-    bound = NEAR if system.interaction else EXACT
+    bound = LOAD_TOLERANCE if system.interaction else INDEPENDENT_LOAD_TOLERANCE
     best, least = state, math.inf
     for _ in range(MAX_SEARCH):
         if not state.converged:
@@ -248,7 +248,7 @@ def _relief(system: ContactSystem) -> float:
 def _independent_separation(system: ContactSystem, pressure: float) -> float:
     """Separation at which independent contacts would carry the pressure, within a few %."""
     summits, height = system.by_height, system.height
-    system.laws.rows(summits[:BLOCK]).make()  # one by one they would cost more
+    system.laws.rows(summits[:LEAST_BATCH]).make()  # one by one they would cost more
 
     def carried(separation: float) -> float:
         above = system.above(separation)
@@ -257,7 +257,7 @@ def _independent_separation(system: ContactSystem, pressure: float) -> float:
         return float(laws(height[above] - separation).force.sum()) / system.nominal_area
 
     # by numbers of summits: one that stands out must not lead far down among the others
-    high, end = system.highest, BLOCK
+    high, end = system.highest, LEAST_BATCH
     width = 0.01 * _relief(system)
     low = float(height[summits[min(end, len(summits) - 1)]])
     for _ in range(MAX_DOUBLINGS):

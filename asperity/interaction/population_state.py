@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from .candidates import CandidateList
     from .contact_system import ContactSystem
 
-__all__ = ["MEMORY", "Continuation", "Point", "PopulationState", "predict", "weights"]
+__all__ = ["POINTS_KEPT", "Continuation", "Point", "PopulationState", "predict", "weights"]
 
-UNLOADING = 0.03
+UNLOADING_TOLERANCE = 0.03
 """Relative accuracy of the response of contacts that keep their areas."""
 
-MEMORY = 3
+POINTS_KEPT = 3
 """Points kept to extrapolate from."""
 
-STEEPEST = 6.0
+LARGEST_WEIGHT = 6.0
 """Largest weight of one point in an extrapolation over three: beyond it, noise is magnified."""
 
-NEARLY_ALL = 0.995
+SINKING_SHARE = 0.995
 """Share of the contacts that sink as far as the candidates of the next point rely on: with 0.98 one
 list in four was made twice, with 1 a third more summits are listed at the largest loads."""
 
@@ -105,7 +105,7 @@ def weights(place: float, known: list[float]) -> Array:
                 (place - a) * (place - b) / ((c - a) * (c - b)),
             ]
         )
-        if np.abs(share).max() <= STEEPEST:
+        if np.abs(share).max() <= LARGEST_WEIGHT:
             return share
     before, last = known[-2:]
     ratio = 0.0 if before == last else (place - last) / (last - before)
@@ -161,7 +161,7 @@ class Continuation:
             self,
             candidates=candidates,
             field=candidates.problem.plan.smooth,
-            points=(*self.points[1 - MEMORY :], point),
+            points=(*self.points[1 - POINTS_KEPT :], point),
             heaviest=heaviest,
             solution=solution,
         )
@@ -192,7 +192,7 @@ class Continuation:
         gained = (values[0] - last.values[0])[last.values[0] > 0]
         if not gained.size:
             return 0.0
-        most = int(NEARLY_ALL * (gained.size - 1))
+        most = int(SINKING_SHARE * (gained.size - 1))
         return max(0.0, last.separation - separation - float(np.partition(gained, most)[most]))
 
     def predicted_separation(self, pressure: float) -> float | None:
@@ -325,7 +325,7 @@ class PopulationState:
             problem = last.candidates.problem
             tangent = Tangent(problem.plan, closed, stiffness, None, problem.form)
             ones = np.ones(len(tangent.index))
-            load = conjugate_gradients(tangent, ones, tolerance=UNLOADING).solution
+            load = conjugate_gradients(tangent, ones, tolerance=UNLOADING_TOLERANCE).solution
         return float(load.sum()) / last.system.nominal_area
 
     @property

@@ -16,7 +16,7 @@ import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 
-_TRIES, _NEAR, _STILL = 6, 2e-3, 1e-4
+_RAY_STEPS, _SMALL_STEP, _SMALL_CHANGE = 6, 2e-3, 1e-4
 """Newton steps of a ray at most, the relative step and the relative change that end a search."""
 
 QUANTITIES = 11
@@ -39,7 +39,7 @@ def _moment(table, x):
 @inner(fastmath=QUOTIENTS)
 def _longest(table, edge, d, multiplier, m, x):
     """Radius at which the gain of a ray is largest, from the radius x on."""
-    for _ in range(_TRIES):
+    for _ in range(_RAY_STEPS):
         h, dh = _moment(table, x / edge)
         tail = (1.0 - m) * multiplier * (x**-m if m != 0.0 else 1.0)
         gain = (2 * d / (1 + m)) * x - x * x * x * (4.0 * h + dh) - tail
@@ -47,7 +47,7 @@ def _longest(table, edge, d, multiplier, m, x):
         # while the gain rises the ray has not reached its maximum yet
         step = 0.2 * x if slope > -0.1 * d else -gain / slope
         before, x = x, min(x + min(max(step, -0.25 * x), 0.25 * x), edge)
-        if abs(x - before) < _NEAR * x:
+        if abs(x - before) < _SMALL_STEP * x:
             break
     return x
 
@@ -83,7 +83,7 @@ def _march(moments, weight, edge, levels, m, rounds, a, out):
                 area += 0.5 * square
                 filled += weight[p] if x >= edge[p] else 0.0
             before, multiplier = multiplier, work / around
-            if abs(multiplier - before) < _STILL * max(abs(multiplier), 1e-300):
+            if abs(multiplier - before) < _SMALL_CHANGE * max(abs(multiplier), 1e-300):
                 break
         out[level, 0] = 2.0 * multiplier
         out[level, 1] = 4.0 * area / ((1 + m) * around)

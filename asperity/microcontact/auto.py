@@ -28,23 +28,27 @@ __all__ = ["tabulate"]
 
 Array = NDArray[np.float64]
 
-EARLY = 0.1
+DOUBTFUL_END = 0.1
 """Root of the approach over the reach up to which an end of the expansion makes a summit
 doubtful."""
 
-SHARES = np.array([0.003, 0.01, 0.03, 0.1])
+COMPARED_SHARES = np.array([0.003, 0.01, 0.03, 0.1])
 """Shares of the reach at which the laws of a doubtful summit are compared."""
 
-LEVEL = 2e-3, 0.3
+LEVEL_TIP = 2e-3, 0.3
 """f/r^2 at the first node of a ray over that at its end between which a tip is level: of r^4 it is
 0.004, of r^3 0.06, of a plateau 0, and of a summit in noise about 1."""
 
-GROSS = 1.3
+GROSS_DIFFERENCE = 1.3
 """Ratio of two laws' forces beyond which the law that needs no polynomial is believed."""
 
 
 def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "auto", nodes: int = ellipse_batch.NODES
+    profiles: Profiles,
+    material: HalfSpace,
+    *,
+    law: str = "auto",
+    nodes: int = ellipse_batch.TABLE_INTERVALS,
 ) -> LawTable:
     """Law table of a batch: the ellipse law, guarded by direct maximization where it ends early.
 
@@ -57,16 +61,16 @@ def tabulate(
     is exact there, and `ritz` at a third of the force.
     """
     table = replace(ellipse_batch.tabulate(profiles, material, nodes=nodes), law=law)
-    left = table.flags[:, 1 : int(EARLY * nodes) + 1] & Flag.BEYOND_RADIUS
+    left = table.flags[:, 1 : int(DOUBTFUL_END * nodes) + 1] & Flag.BEYOND_RADIUS
     ratio = np.where(profiles.valid & (table.reach == 0), np.inf, 1.0)
     doubtful = np.flatnonzero(left.any(axis=1) & (table.reach > 0))
     if doubtful.size:
         ratio[doubtful] = _worst_ratio(table, doubtful, profiles.rows(doubtful), material)
     tip, end = profiles.q[:, :, 1], profiles.q[:, :, -1]
-    level = np.isinf(ratio) & ((tip > LEVEL[0] * end) & (tip < LEVEL[1] * end)).all(axis=1)
+    level = np.isinf(ratio) & ((tip > LEVEL_TIP[0] * end) & (tip < LEVEL_TIP[1] * end)).all(axis=1)
     for rows, second in (
         (np.flatnonzero(level), circle.tabulate),
-        (np.flatnonzero(~level & (ratio > GROSS)), ritz.tabulate),
+        (np.flatnonzero(~level & (ratio > GROSS_DIFFERENCE)), ritz.tabulate),
     ):
         if rows.size:
             other = second(profiles.rows(rows), material, nodes=nodes)
@@ -99,8 +103,8 @@ def _worst_ratio(
     table: LawTable, rows: NDArray[np.int64], profiles: Profiles, material: HalfSpace
 ) -> Array:
     """Largest ratio of the forces of the table and of `ritz`, either way, over a few approaches."""
-    first = table.evaluate(rows[:, None], SHARES * table.reach[rows, None])[0]
-    other = ritz.forces(profiles, material, np.sqrt(SHARES))
+    first = table.evaluate(rows[:, None], COMPARED_SHARES * table.reach[rows, None])[0]
+    other = ritz.forces(profiles, material, np.sqrt(COMPARED_SHARES))
     usable = (first > 0) & (other > 0)
     ratio = np.divide(first, other, out=np.ones(first.shape), where=usable)
     return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))

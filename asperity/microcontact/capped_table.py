@@ -25,13 +25,13 @@ __all__ = ["capped_table"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-TOGETHER = 256
+CONTACTS_PER_THREAD = 256
 """Contacts that repay a thread, which takes no more at a time: their arrays stay in its cache."""
 
-FINER = 2
+FINER_NODES = 2
 """Elastic approaches, over the nodes of a table, of which the capped contacts are found first."""
 
-BEYOND = 0.1
+FURTHER_APPROACH = 0.1
 """Further approach, over the reach, that tells how a filled basin bears more: at the hardness it
 bears none."""
 
@@ -41,7 +41,7 @@ LEAST_YIELD = 1e-4
 LEAST_RISE = 0.05
 """Least growth of a capped approach over that of the elastic one: a paraboloid has 1/2 to 1."""
 
-ROUNDING = 1e-9
+AREA_ROUNDING = 1e-9
 """Relative error of areas: a summit that has filled its basin has none deeper down."""
 
 
@@ -74,7 +74,7 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
         hardness=material.hardness,
     )
     rows = np.flatnonzero((table.reach > 0) & (table.force[:, -1] > 0))
-    parts = parallel.blocks(rows.size, TOGETHER, TOGETHER)
+    parts = parallel.blocks(rows.size, CONTACTS_PER_THREAD, CONTACTS_PER_THREAD)
     parallel.run(lambda first, last: _cap(table, rows[first:last], material, result), parts)
     return result
 
@@ -83,14 +83,14 @@ def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> 
     """Put the capped laws of some rows of a table into `result`, which holds the elastic ones."""
     assert table.bearing is not None
     nodes = table.nodes
-    levels = FINER * nodes
-    u = np.append(np.arange(1, levels + 1) / levels, (1.0 + BEYOND) ** 0.5)
+    levels = FINER_NODES * nodes
+    u = np.append(np.arange(1, levels + 1) / levels, (1.0 + FURTHER_APPROACH) ** 0.5)
     elastic = table.reach[rows, None] * np.square(u)
     force, stiffness, area = table.evaluate(rows[:, None], elastic)
     level = area.copy()
     depths_of(table.bearing[rows], table.approach()[rows], level)
     found = capped(elastic, force, area, stiffness, material, level=level)
-    filled = (found.force[:, -1] - found.force[:, -2]) / (BEYOND * table.reach[rows])
+    filled = (found.force[:, -1] - found.force[:, -2]) / (FURTHER_APPROACH * table.reach[rows])
     elastic, approach, capped_force, force, stiffness, area = (
         column[:, :-1] for column in (elastic, found.approach, found.force, force, stiffness, area)
     )
@@ -101,7 +101,7 @@ def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> 
     columns = [np.maximum.accumulate(capped_force[late], axis=1), area[late], stiffness[late]]
     columns.append(columns[0] / force[late] * approach)
     if table.centre is not None:
-        node = np.arange(levels) // FINER
+        node = np.arange(levels) // FINER_NODES
         share = u[:-1] * nodes - node
         for old in np.moveaxis(table.centre[rows], 2, 0):
             columns.append(approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
@@ -130,7 +130,7 @@ def depths_of(bearing: Array, depth: Array, area: Array) -> None:
     for i in range(area.shape[0]):
         j = 0
         for k in range(area.shape[1]):
-            wanted = area[i, k] * (1.0 - ROUNDING)
+            wanted = area[i, k] * (1.0 - AREA_ROUNDING)
             while j < last - 1 and bearing[i, j + 1] < wanted:
                 j += 1
             low, high = math.sqrt(bearing[i, j]), math.sqrt(bearing[i, j + 1])

@@ -28,7 +28,7 @@ _HARMONICS = 5
 _OVERSHOOT = 1.15
 """Largest radius of the tables over the radius of the basin's area."""
 
-_SMALLEST, _GRADING = 0.02, 1.3
+_SMALLEST_RADIUS, _GRADING = 0.02, 1.3
 """Smallest radius over the largest, and exponent of the spacing of the radii."""
 
 _LIMIT = 0.5
@@ -70,7 +70,7 @@ def tabulate(
     from ._ray_kernels import QUANTITIES, expand_profiles
 
     m = material.m
-    fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, radii) ** _GRADING
+    fractions = _OVERSHOOT * np.linspace(_SMALLEST_RADIUS, 1.0, radii) ** _GRADING
     top = np.sqrt(0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / np.pi)
     t, weights = gauss_jacobi(m, points)
     usable = np.all(np.isfinite(profiles.q), axis=(1, 2)) & np.all(profiles.edge > 0, axis=1)

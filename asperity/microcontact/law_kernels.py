@@ -8,9 +8,9 @@ dm/dF = (variance - m)/F at the nodes, an increment at the stiffness k being spr
 variance (factor k)^exponent (docs/development/half_space.md). Beyond the reach the contact is a
 flat punch.
 
-A tip that is no paraboloid (`BLUNT`) has powers of v instead in the first interval: force, area and
-moment are those of the first node times v to the exponents in `tips`, which are zero for all other
-contacts.
+A tip that is no paraboloid (`BLUNT_TIP`) has powers of v instead in the first interval: force, area
+and moment are those of the first node times v to the exponents in `tips`, which are zero for all
+other contacts.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from surfaces.numerics.vectors import on_stack
 
 __all__ = [
     "AREA",
-    "BLUNT",
+    "BLUNT_TIP",
     "ENERGY",
     "FORCE",
     "FORCE_SLOPE",
     "MOMENT",
     "MOMENT_SLOPE",
-    "NUMBERS",
-    "TIPS",
+    "NODE_COLUMNS",
+    "TIP_COLUMNS",
     "convex",
     "empty_columns",
     "evaluate",
@@ -45,13 +45,13 @@ FORCE, FORCE_SLOPE, ENERGY, MOMENT, MOMENT_SLOPE, AREA = range(6)
 """Columns of a node j: s and ds/dv; the constant of the energy in [j, j + 1]; the moment and dm/dv;
 area/v^2."""
 
-NUMBERS = 6
+NODE_COLUMNS = 6
 """Columns of a node."""
 
-TIPS = 3
+TIP_COLUMNS = 3
 """Exponents over v of force, area and moment of a tip that is no paraboloid."""
 
-BLUNT = 0.1
+BLUNT_TIP = 0.1
 """Difference of the exponents of force at the first node and of a paraboloid, over the root of the
 approach, from which on a tip is no paraboloid: r^2.2, r^1.8, and 1 to 6 % of the summits of random
 and measured maps. Down to the tip force and area then are powers."""
@@ -67,7 +67,7 @@ _V, _NODE, _TOP, _LOWER, _F, _STIFF, _WORK, _M, _GROWN, _SPOT = range(0, COLUMNS
 """Where the numbers of the contacts of a block begin."""
 
 _FORCE, _FORCE_SLOPE, _ENERGY, _MOMENT, _MOMENT_SLOPE, _AREA = (
-    np.uint64(column) for column in range(NUMBERS)
+    np.uint64(column) for column in range(NODE_COLUMNS)
 )
 """Columns of a node without a sign: places that may be negative are no vector instructions."""
 
@@ -157,7 +157,7 @@ def evaluate(
             d, top = approach[closed[k]], reach[index[closed[k]]]
             v = math.sqrt(min(d / top, 1.0)) * steps
             j = min(np.int32(v), nodes - np.int32(2))
-            first[k] = (place[index[closed[k]]] * nodes + j) * np.int32(NUMBERS)
+            first[k] = (place[index[closed[k]]] * nodes + j) * np.int32(NODE_COLUMNS)
             s[k + _V], s[k + _NODE], s[k + _TOP] = v, j, top
         if power == 3.0:
             for k in range(count):
@@ -167,7 +167,7 @@ def evaluate(
                 s[k + _LOWER] = s[k + _V] ** (power - 2.0)
         for k in range(count):
             left = np.uint64(first[k])
-            right = left + np.uint64(NUMBERS)
+            right = left + np.uint64(NODE_COLUMNS)
             v, j, lower = s[k + _V], s[k + _NODE], s[k + _LOWER]
             t, width, factor = v - j, s[k + _TOP] * unit, lower * v * v  # dd/dv = width v
             c0, c1, c2, c3 = _hermite(
@@ -245,7 +245,7 @@ def _tip_exponents(force, area, power, exponent):
 
 @compiled()
 def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, table, tips):
-    """Fill the rows of `table` (n, K + 1, NUMBERS) and `tips` (n, TIPS) from nodal values.
+    """Fill the rows of `table` (n, K + 1, NODE_COLUMNS) and `tips` (n, TIP_COLUMNS) from the nodes.
 
     An increment of force at the stiffness k is spread with the variance (factor k)^exponent.
 
@@ -266,7 +266,7 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
             s1 = force[r, j + 1] / _power(v, power)
             d1 = stiffness[r, j + 1] * width * v / _power(v, power) - power * s1 / v
             table[r, j + 1, AREA] = area[r, j + 1] / (v * v)
-            if j == 0 and abs(d1) > BLUNT * s1 and 0.0 < force[r, 1] < force[r, 2]:
+            if j == 0 and abs(d1) > BLUNT_TIP * s1 and 0.0 < force[r, 1] < force[r, 2]:
                 rise, spot, wide = _tip_exponents(force[r], area[r], power, exponent)
                 # one by one: a row filled by a tuple takes 1 s more to compile
                 tips[r, 0], tips[r, 1], tips[r, 2] = rise, spot, wide
@@ -316,7 +316,7 @@ def empty_columns(
     count: int, intervals: int, stored: bool = False
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """`table` and `tips` of so many contacts, to be filled by `tabulate`; in files if `stored`."""
-    shapes = (count, intervals + 1, NUMBERS), (count, TIPS)
+    shapes = (count, intervals + 1, NODE_COLUMNS), (count, TIP_COLUMNS)
     table, tips = (zeros(shape, np.float64, stored) for shape in shapes)
     return table, tips
 

@@ -19,10 +19,10 @@ __all__ = ["LawTable", "LazyTable", "joined"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-TOGETHER = 4096
+ROWS_TOGETHER = 4096
 """Rows of a lazy table that are made at a time: their rays take more memory than their laws."""
 
-MAPPED = 2**14
+MAPPED_LAWS = 2**14
 """Laws of a table on disk whose pages are in memory together."""
 
 OF_NODES = "force", "stiffness", "area", "bearing"
@@ -227,9 +227,9 @@ class LazyTable:
         return rows if self.near is None else rows[self.near(rows)]
 
     def blocks(self, rows: Rows) -> Iterator[tuple[Rows, LawTable]]:
-        """The laws of some contacts, `TOGETHER` at a time."""
-        for start in range(0, rows.size, TOGETHER):
-            part = rows[start : start + TOGETHER]
+        """The laws of some contacts, `ROWS_TOGETHER` at a time."""
+        for start in range(0, rows.size, ROWS_TOGETHER):
+            part = rows[start : start + ROWS_TOGETHER]
             yield part, self._laws(part)
 
     def _laws(self, rows: Rows) -> LawTable:
@@ -297,7 +297,7 @@ class LazyTable:
 
     def together(self, count: int) -> float:
         """So many of `count` contacts, evenly spread, may be read at a time."""
-        return max(1.0, MAPPED * count / len(self)) if self.stored else math.inf
+        return max(1.0, MAPPED_LAWS * count / len(self)) if self.stored else math.inf
 
     def _read(
         self,

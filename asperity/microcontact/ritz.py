@@ -21,7 +21,7 @@ __all__ = ["forces", "tabulate"]
 
 Array = NDArray[np.float64]
 
-_ROUNDS, _FEW = 8, 4
+_TABLE_ROUNDS, _COMPARISON_ROUNDS = 8, 4
 """Times that a level is iterated in the batch at most: for a table, and for a comparison."""
 
 
@@ -30,7 +30,7 @@ def tabulate(
 ) -> LawTable:
     """Law table of a batch of profiles by free rays inside the basin; see `laws.tabulate`."""
     levels = np.arange(1, nodes + 1) / nodes
-    reach, length, height, out = _march(profiles, material.m, levels, _ROUNDS)
+    reach, length, height, out = _march(profiles, material.m, levels, _TABLE_ROUNDS)
     unit = material.modulus * length ** (1 + material.m)
     force, stiffness, area = np.zeros((3, length.size, nodes + 1))
     force[:, 1:] = np.maximum.accumulate(out[..., 0], axis=1) * (unit * height)[:, None]
@@ -54,7 +54,7 @@ def tabulate(
 def forces(profiles: Profiles, material: HalfSpace, levels: Array) -> Array:
     """Forces [N] at the approaches reach * levels**2, levels rising, shape (n, levels), within a
     few per cent."""
-    reach, length, height, out = _march(profiles, material.m, levels, _FEW)
+    reach, length, height, out = _march(profiles, material.m, levels, _COMPARISON_ROUNDS)
     unit = np.where(reach > 0, material.modulus * length ** (1 + material.m) * height, 0.0)
     return np.asarray(out[..., 0] * unit[:, None])
 

@@ -21,7 +21,7 @@ __all__ = ["LawRows", "LoadShares"]
 
 Array = NDArray[np.float64]
 
-MOST = 200
+MOST_SUMMITS = 200
 """Summits above the flat at which no contact is looked at any more."""
 
 
@@ -59,7 +59,8 @@ class LoadShares:
     weight
         Load of each summit over its approach to the power 3/2, but for a common factor, shape (n,).
     height, first
-        Heights [m] of the `MOST` highest valid summits, from the highest down, and their weights.
+        Heights [m] of the `MOST_SUMMITS` highest valid summits, from the highest down, and their
+        weights.
 
     Notes
     -----
@@ -81,7 +82,7 @@ class LoadShares:
         if among is not None:
             return replace(among, weight=weight)
         rows = np.flatnonzero(summits.valid)
-        highest = rows[np.argsort(-summits.height[rows], kind="stable")[:MOST]]
+        highest = rows[np.argsort(-summits.height[rows], kind="stable")[:MOST_SUMMITS]]
         return cls(weight, summits.height[highest], weight[highest])
 
     def lowered(self, level: float) -> LoadShares:
@@ -91,7 +92,7 @@ class LoadShares:
     @property
     def full(self) -> bool:
         """Whether there are so many summits that a lower one cannot change the shares."""
-        return len(self.height) == MOST
+        return len(self.height) == MOST_SUMMITS
 
     @property
     def lowest(self) -> float:

@@ -52,14 +52,14 @@ PEAK_BYTES, CONTACT_BYTES = 400, {"periodic": 1_150, "free": 1_800}
 """Memory of the model of a map on disk: of its strips; per summit, and as much while summits are
 found; per contact that may close while loads are solved (docs/development/interaction.md)."""
 
-DEEP = 4.0
+HEIGHTS_OVER_AREA = 4.0
 """Share of the heights above the lowest flat, over that of the area in contact."""
 
-SHALLOWEST = 3e-3
+LEAST_POWER = 3e-3
 """1 + m of the half-space below which the footprint of a force, which keeps 2 % of the compliance
 of its contact outside, is a thousand times as wide as the contact: 1.02^(1/(1 + m))."""
 
-SAMPLE = 2**16
+QUANTILE_SAMPLE = 2**16
 """Heights that suffice for a quantile."""
 
 
@@ -262,7 +262,7 @@ def make_plan(
 
 
 def _require_usable(hm: HeightMap, material: HalfSpace) -> None:
-    if 1.0 + material.m < SHALLOWEST:
+    if 1.0 + material.m < LEAST_POWER:
         raise ModelRangeError(
             f"m = {material.m:g} is so near -1 that a contact displaces all others like itself, "
             "which separate contacts do not describe; use boundary elements"
@@ -328,7 +328,7 @@ def _lowest_flat(hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarr
     """Separation [m] to which the load points may go at most."""
     if kind != "pressure":
         return float(values.min())
-    share = DEEP * expected_area_fraction(hm, material, float(values.max()))
+    share = HEIGHTS_OVER_AREA * expected_area_fraction(hm, material, float(values.max()))
     return float(np.quantile(_sample(hm), max(0.0, 1.0 - share)))
 
 
@@ -339,5 +339,5 @@ def peaks_above(hm: HeightMap, above: float | None) -> int:
 
 def _sample(hm: HeightMap) -> NDArray[np.float64]:
     """Heights [m] above the mean plane of so many points that they tell a quantile."""
-    step = max(1, int(np.sqrt(math.prod(hm.shape) / SAMPLE)))
+    step = max(1, int(np.sqrt(math.prod(hm.shape) / QUANTILE_SAMPLE)))
     return hm.source[::step, ::step].ravel() - hm.roughness.mean

@@ -25,10 +25,10 @@ Waves = NDArray[np.complex128] | Array
 Columns = Callable[[int], Iterator[tuple[int, Waves]]]
 """Gives the waves in blocks of columns up to one: the first column of each, and the block."""
 
-NEAR = 32
+MOST_COLUMNS = 32
 """Most columns whose cosine transforms are made at a time."""
 
-FEWEST = 96
+LEAST_SIDE_POINTS = 96
 """Least points of the shorter side of the grid of the longer waves."""
 
 ROUNDING = 1e-12
@@ -77,7 +77,7 @@ class Shells:
     def map(self, last: int, points: float) -> Resampled | None:
         """The map of the waves up to the shell `last`, on a grid of `points` per shortest wave.
 
-        None where that would have fewer than `FEWEST` points.
+        None where that would have fewer than `LEAST_SIDE_POINTS` points.
         """
         hm = self.hm
         shortest = 2.0 * np.pi / (self.width * last)
@@ -85,7 +85,7 @@ class Shells:
             fft.next_fast_len(int(np.ceil(points * length / shortest)), real=True)
             for length in hm.size
         )
-        if min(ny, nx) < FEWEST:
+        if min(ny, nx) < LEAST_SIDE_POINTS:
             return None
         rows, width = self._within(last)
         qy, qx = self.numbers[0][rows, None], self.numbers[1][:width]
@@ -158,7 +158,7 @@ def _of_columns(hm: HeightMap, waves: Waves, first: int) -> Waves:
             some = fft.dct(waves[:, begin:end].copy(), axis=0, norm="ortho", overwrite_x=True)
             np.multiply(some, scale[begin:end], out=waves[:, begin:end])
 
-        run(part, blocks(waves.shape[1], most=NEAR))
+        run(part, blocks(waves.shape[1], most=MOST_COLUMNS))
     if first == 0:
         waves[0, 0] = 0.0
     return waves

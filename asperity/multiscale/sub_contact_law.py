@@ -23,7 +23,7 @@ __all__ = ["SubContactLaw", "SurfacePoint", "closed_areas", "surface_point"]
 Array = NDArray[np.float64]
 
 
-STEP = 0.02
+LOAD_STEP = 0.02
 """Change of the load, relative, over which energies are compared."""
 
 
@@ -206,7 +206,7 @@ def surface_point(
     gained = state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
         return SurfacePoint(state.separation, area, stiffness, stiffness)
-    fall = STEP * state.mean_pressure / stiffness
+    fall = LOAD_STEP * state.mean_pressure / stiffness
 
     def twin(step: float) -> tuple[float, float, float, float]:
         """Energy stored by the fine waves in elastic contacts of the same areas, their load, that

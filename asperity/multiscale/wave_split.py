@@ -38,14 +38,14 @@ __all__ = ["Split", "chosen_split", "refined_map", "solved_grid", "split_scales"
 
 Array = NDArray[np.float64]
 
-FLAT = 1e-9
+EMPTY_RMS = 1e-9
 """Rms height of a finer grid over that of the map below which the grid holds nothing of it."""
 
-SURELY = 0.9
+SURE_BREADTH = 0.9
 """Share of the breadth at which waves are taken out, up to which some lines of a map can tell that
 it is not reached."""
 
-NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
+NARROW_SPECTRUM = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
 
 def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap | str | None:
@@ -72,7 +72,7 @@ def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[Res
     wanted = scales == "auto" and corrections.finer_grid
     finer = refined_map(hm, parameters) if wanted else None
     if isinstance(finer, HeightMap):
-        if finer.roughness.rms_height < FLAT * hm.roughness.rms_height:
+        if finer.roughness.rms_height < EMPTY_RMS * hm.roughness.rms_height:
             raise ModelRangeError(
                 "all heights are waves of two pixels, which tell no summits between them; use "
                 "boundary elements"
@@ -118,8 +118,8 @@ def split_scales(
     if abs(material.m) > bounds.grading:
         return f"scales: all, the law of fine waves is for |m| <= {bounds.grading:g}"
     broad = bounds.worth * bounds.breadth
-    if fineness(hm) < near_pixel.to_the_pixel and _breadth(hm) < SURELY * broad:
-        return NARROW
+    if fineness(hm) < near_pixel.to_the_pixel and _breadth(hm) < SURE_BREADTH * broad:
+        return NARROW_SPECTRUM
     if not fine_waves_random(hm, near_pixel.kurtosis):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
     if (1.0 - bounds.lay) * lay(hm) ** 2 > 1.0 + bounds.lay:
@@ -131,7 +131,7 @@ def split_scales(
     most = 2.0 * np.pi / (bounds.unresolved_pixels * max(hm.spacing))
     finest = min(int(most / shells.width + 1e-6), m2.size - 1)  # whole numbers but for rounding
     if m2[finest] > (1.0 - bounds.unresolved_slope) * m2[-1] and breadth[-1] < broad:
-        return NARROW
+        return NARROW_SPECTRUM
     steep = int(np.argmax(m2 >= bounds.kept_slope * m2[-1]))
     last = min(max(last or finest, _shell(bounds.fewest_waves, hm), steep), finest)
     law = _law(shells, last, material, parameters)

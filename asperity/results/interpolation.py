@@ -13,9 +13,9 @@ from asperity.errors import InputError
 from surfaces.errors import as_numbers
 
 __all__ = [
+    "END_SLACK",
     "POINT_FIELDS",
     "READ_FIELDS",
-    "SLACK",
     "CurvePoint",
     "contact_pressure",
     "curve_stiffness",
@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 
-SLACK = 5e-3
+END_SLACK = 5e-3
 """Relative distance beyond the ends at which a curve can be evaluated: solved pressures differ from
 those asked for by the tolerance of the solve, and the latter must be within the curve."""
 
@@ -129,7 +129,7 @@ def read_off(
         slack = 1e-9 * max(abs(low), abs(high), high - low)
         rising, place = -knots, -asked
     else:
-        slack = SLACK
+        slack = END_SLACK
         with np.errstate(divide="ignore", invalid="ignore"):
             rising, place = np.log(knots), np.log(asked)
     inside = (place >= rising[0] - slack) & (place <= rising[-1] + slack)
@@ -148,7 +148,7 @@ def read_off(
         knots = np.log(values[finite]) if in_log else values[finite]
         places = log_p[finite]
         found = PchipInterpolator(places, knots)(key)
-        known = (key >= places[0] - SLACK) & (key <= places[-1] + SLACK)
+        known = (key >= places[0] - END_SLACK) & (key <= places[-1] + END_SLACK)
         found = np.where(known, found, np.nan)
         return (np.exp(found) if in_log else found)[()]
 

@@ -46,7 +46,7 @@ Array = NDArray[np.float64]
 AS_A_RULE = 1e-3
 """Difference allowed between answers to questions that are the same [-]."""
 
-SHARE = 0.1
+SHARE_OF_STATED = 0.1
 """The same, over the error that the answers state."""
 
 TOLERANCE = 1e-6
@@ -156,7 +156,7 @@ def alike(
     asked = np.abs(other.mean_pressure / (pressure * one.mean_pressure) - 1.0)[one.converged]
     stated = one.error_estimate, one.extra["area_error_estimate"]
     used = one.converged & (one.mean_pressure > 0.0)
-    limits = [np.fmax(AS_A_RULE, SHARE * value[used]) for value in stated]
+    limits = [np.fmax(AS_A_RULE, SHARE_OF_STATED * value[used]) for value in stated]
     return max(
         _worst(load, limits[0]), _worst(area, limits[1]), _worst(asked, np.full(1, AS_A_RULE))
     )

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.interaction.population import PopulationState
-from asperity.microcontact.basin_bem.press import SPREAD
+from asperity.microcontact.basin_bem.press import EXPECTED_ERROR
 from asperity.model.decomposition import Decomposition
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import ErrorEstimate
@@ -177,7 +177,7 @@ def outside_model_terms(decomposition: Decomposition, state: PopulationState) ->
     flat = share @ (tops / area)
     summits = decomposition.summits
     if flat > 0.0:
-        alone = (summits.dip[closed] > summits.peaks.min_prominence) & (spread == SPREAD)
+        alone = (summits.dip[closed] > summits.peaks.min_prominence) & (spread == EXPECTED_ERROR)
         alone &= spans < bounds.wide_top * decomposition.hm.area
         flat *= 1.0 - bounds.pressed * float(tops @ alone / tops.sum())
     cut = 0.0

@@ -41,7 +41,7 @@ BLUE, ORANGE = "#2f7fc1", "#d9622b"
 SIGNED = [f"{BLUE if i < 0 else ORANGE}{round(255 * abs(i) / 127):02x}" for i in range(-127, 128)]
 """Palette of fields with a sign: the more transparent, the nearer to nothing."""
 
-FLOOR = 1e-14
+DENSITY_FLOOR = 1e-14
 """Density over its largest below which a spectrum holds rounding alone."""
 
 
@@ -106,7 +106,7 @@ def spectrum_lines(
     spectrum: Spectrum, fit: SpectrumFit | None, *, label: str = "map", color: str = BLUE
 ) -> list[Line]:
     """Density of the rings over the wave number, and the fitted model."""
-    seen = spectrum.density > spectrum.density.max() * FLOOR
+    seen = spectrum.density > spectrum.density.max() * DENSITY_FLOOR
     lines = [_density(label, spectrum.q[seen], spectrum.density[seen], color=color, dash="")]
     if fit is not None:
         name = f"{label}: fit, H = {fit.hurst:.2f}"

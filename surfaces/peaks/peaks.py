@@ -32,10 +32,10 @@ SUMMIT, PLATEAU, RIM = 0, -1, -2
 
 Array = NDArray[np.float64]
 
-SAMPLE = 64
+SAMPLED_ROWS = 64
 """Rows that tell how many peaks a map has."""
 
-HIGHEST = 0.02
+HIGHEST_SHARE = 0.02
 """Share of the points that count as the highest."""
 
 
@@ -164,7 +164,7 @@ def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
     """How many points of a map above a height [m] are higher than their neighbors, as some rows
     tell."""
     ny, nx = hm.shape
-    rows = np.arange(1, ny - 1, max(1, (ny - 2) // SAMPLE))
+    rows = np.arange(1, ny - 1, max(1, (ny - 2) // SAMPLED_ROWS))
     lines = [hm.source[rows + step] for step in (-1, 0, 1)]
     peak = lines[1][:, 1:-1] > above
     for line, step in itertools.product(lines, range(3)):
@@ -225,7 +225,7 @@ def flat_share(hm: HeightMap) -> float:
     if not hm.repeats:
         return 0.0
     heights = hm.heights
-    top = np.argwhere(heights >= np.quantile(heights, 1.0 - HIGHEST))
+    top = np.argwhere(heights >= np.quantile(heights, 1.0 - HIGHEST_SHARE))
     return float(np.mean(_level_steps(hm, top).all(axis=1)))
 
 

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
 Index = NDArray[np.int32]
 
-HALO = 8
+STRIP_HALO = 8
 """Rows on both sides of a strip that tell where its plateaus lead, at first."""
 
 PEAK_BYTES = 400
@@ -127,7 +127,7 @@ def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
 
 def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | None:
     """The rows from `first` to `last`, flooded; None if a plateau there is as long as the map."""
-    (ny, nx), halo = hm.shape, HALO
+    (ny, nx), halo = hm.shape, STRIP_HALO
     while True:
         top, window = first - halo, _rows(hm, first - halo, last + halo)
         above_all, below_all = not hm.periodic and top <= 0, not hm.periodic and last + halo >= ny

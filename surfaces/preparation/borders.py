@@ -22,7 +22,7 @@ PERIODIC = ("mirror", "taper", "smooth", "wrap")
 STEEPNESS = 1.0 / 3.0
 """Rms height over the width of a faded strip, over the rms slope of the map."""
 
-WIDEST = 0.1
+WIDEST_FADE = 0.1
 """Width of a faded strip over the shorter side of the map, at most."""
 
 
@@ -162,7 +162,7 @@ def _gentle(hm: HeightMap) -> float:
     """Width [m] of a strip in which heights fade, see `make_periodic`; a pixel at least."""
     steepest = STEEPNESS * hm.roughness.rms_slope
     width = hm.rms_height / max(steepest, np.finfo(float).tiny)
-    return min(max(width, *hm.spacing), WIDEST * min(hm.size))
+    return min(max(width, *hm.spacing), WIDEST_FADE * min(hm.size))
 
 
 def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:

@@ -14,11 +14,11 @@ from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel, splines
 from surfaces.numerics.memory import Transform, along_both, require_memory
 from surfaces.numerics.stored_array import Source, blocks_of
-from surfaces.roughness import BANDS
+from surfaces.roughness import ROW_BANDS
 
 __all__ = ["Resampled", "coarse_map", "corner_of", "resample", "resample_waves", "shortest_wave"]
 
-_POINTS = 8.0
+_POINTS_PER_WAVE = 8.0
 """Points per shortest wave: the contact curve then changes no more than by half a pixel's shift of
 the full grid."""
 
@@ -31,13 +31,13 @@ _SMOOTH = 2.0
 _WORTH_IT = 0.75
 """Largest ratio of the points per axis."""
 
-_FEWEST = 64
+_LEAST_SIDE_POINTS = 64
 """Least points of the shorter side of a coarser grid."""
 
 _ROWS = 32
 """Rows transformed at a time."""
 
-_MISSED, _MISSED_MOST = 5e-4, 5e-3
+_RMS_MISSED, _MOST_MISSED = 5e-4, 5e-3
 """Rms and largest deviation of the highest point of every block of a map that a coarser grid may
 have, over the rms height."""
 
@@ -203,7 +203,7 @@ def coarse_map(hm: HeightMap) -> Resampled | None:
     ratio. The highest point of every block of the map must lie on the surface through the coarse
     points: features too few to show in the spectrum, such as single spikes, keep the full grid.
     """
-    if not hm.periodic or min(hm.shape) <= _FEWEST:
+    if not hm.periodic or min(hm.shape) <= _LEAST_SIDE_POINTS:
         return None
     turns = [
         slope / (bend * step) if bend > 0.0 else math.inf
@@ -214,7 +214,7 @@ def coarse_map(hm: HeightMap) -> Resampled | None:
     if min(turns) < _SMOOTH:
         return None
     wave = min(shortest_wave(hm, axis) for axis in (0, 1))
-    ratio = max(_POINTS / wave, _FEWEST / min(hm.shape))
+    ratio = max(_POINTS_PER_WAVE / wave, _LEAST_SIDE_POINTS / min(hm.shape))
     if ratio > _WORTH_IT:
         return None
     ny, nx = (min(n, fft.next_fast_len(math.ceil(ratio * n), real=True)) for n in hm.shape)
@@ -271,15 +271,15 @@ def _holds(coarse: HeightMap, hm: HeightMap, corner: tuple[float, float]) -> boo
     off -= hm.source[rows, cols]
     rms = hm.roughness.rms_height
     return bool(
-        np.sqrt(np.mean(off**2)) <= _MISSED * rms and np.abs(off).max() <= _MISSED_MOST * rms
+        np.sqrt(np.mean(off**2)) <= _RMS_MISSED * rms and np.abs(off).max() <= _MOST_MISSED * rms
     )
 
 
 def _highest(hm: HeightMap) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Row and column of the highest point of each of `BANDS` times `BANDS` blocks."""
-    nx, found, band = hm.shape[1], hm.roughness, np.arange(BANDS)
-    bounds = nx * np.arange(BANDS + 1) // BANDS
-    columns = np.minimum(bounds[:-1, None] + np.arange(-(-nx // BANDS)), bounds[1:, None] - 1)
+    """Row and column of the highest point of each of `ROW_BANDS` times `ROW_BANDS` blocks."""
+    nx, found, band = hm.shape[1], hm.roughness, np.arange(ROW_BANDS)
+    bounds = nx * np.arange(ROW_BANDS + 1) // ROW_BANDS
+    columns = np.minimum(bounds[:-1, None] + np.arange(-(-nx // ROW_BANDS)), bounds[1:, None] - 1)
     cols = columns[band, found.tops[:, columns].argmax(axis=2)]
     return found.rows[band[:, None], cols].ravel(), cols.ravel()
 

@@ -49,7 +49,7 @@ def test_map_with_peaks_and_basins() -> None:
 def test_map_with_missing_points_and_more_pixels_than_shown(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("surfaces.drawing.PIXELS", 40)
+    monkeypatch.setattr("surfaces.drawing.PICTURE_SIDE", 40)
     heights = rough().heights.copy()
     heights[5:20, 7:30] = np.nan
     figure = surfaces.plot_map(rough().replace(heights=heights))
@@ -60,7 +60,7 @@ def test_map_with_missing_points_and_more_pixels_than_shown(
 
 @pytest.mark.filterwarnings("error")
 def test_a_large_map_of_every_other_line_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("surfaces.drawing.PIXELS", 48)
+    monkeypatch.setattr("surfaces.drawing.PICTURE_SIDE", 48)
     heights = rough().heights.copy()
     heights[::2] = np.nan
     shown = surfaces.plot_map(rough().replace(heights=heights)).axes[0].images[0].get_array()

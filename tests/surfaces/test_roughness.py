@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import surfaces
-from surfaces.roughness import BANDS
+from surfaces.roughness import ROW_BANDS
 
 
 def by_numpy(hm):
@@ -40,7 +40,7 @@ def test_same_means_as_numpy(shape, missing):
 def test_highest_points_of_the_columns_of_each_band(shape):
     h = np.random.default_rng(4).normal(size=shape)
     h[0, 1] = np.nan
-    found, bands = surfaces.HeightMap(h, (0.3, 0.7)).roughness, min(BANDS, shape[0])
+    found, bands = surfaces.HeightMap(h, (0.3, 0.7)).roughness, min(ROW_BANDS, shape[0])
     assert found.tops.shape == (bands, shape[1])
     for band in range(bands):
         rows = slice(shape[0] * band // bands, shape[0] * (band + 1) // bands)

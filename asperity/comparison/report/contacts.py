@@ -25,7 +25,7 @@ __all__ = ["contact_figures", "height_figure", "size_figure"]
 BOTH, MARK = "#7d8790", "#ff2d6f"
 """Colors of contact in both models, and of contact on the heights."""
 
-TOP = 0.99
+COLORED_SHARE = 0.99
 """Share of the pixels in contact whose pressures the colors tell apart."""
 
 DRAWN = 400
@@ -83,9 +83,9 @@ def contact_figures(comparison: ComparisonRecord) -> list[Figure]:
 
 
 def _upper(values: NDArray[Any]) -> float:
-    """Value below which the colors tell those of `TOP` of the pixels in contact apart."""
+    """Value below which the colors tell those of `COLORED_SHARE` of the pixels in contact apart."""
     seen = values[values > 0]
-    return float(np.quantile(seen, TOP)) if seen.size else 1.0
+    return float(np.quantile(seen, COLORED_SHARE)) if seen.size else 1.0
 
 
 def contacts_figure(

@@ -40,7 +40,7 @@ ALL_CURVES = 3
 
 AREA = "real contact area [%]"
 
-LEAST = 1e-3
+BAND_FLOOR = 1e-3
 """Lower end of a band, over the value, where the stated error is more than all of it."""
 
 
@@ -132,7 +132,7 @@ def _curve_line(
         return Line(columns=columns, **looks)
     share = np.where(known, stated, 0.0)
     band = f"stated {what}, low", f"stated {what}, high"
-    columns[band[0]] = values * np.maximum(1.0 - share, LEAST)
+    columns[band[0]] = values * np.maximum(1.0 - share, BAND_FLOOR)
     columns[band[1]] = values * (1.0 + share)
     return Line(columns=columns, band=band, **looks)
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from asperity.halfspace.footprint import Footprints
 
 __all__ = [
-    "PAIRS",
-    "RUNG",
+    "CHEAP_PAIRS",
+    "CUT_RATIO",
     "TwoLevelPreconditioner",
     "chunks",
     "long_enough",
@@ -34,17 +34,17 @@ __all__ = [
     "total",
 ]
 
-NEIGHBORS = 15
+MEAN_NEIGHBORS = 15
 """Neighbors within the cut-off, on average."""
 
-FEW, NEAREST = 3_500, 11
+FEW_POINTS, FEW_NEIGHBORS = 3_500, 11
 """Points whose mesh is short, and their neighbors: pairs and mesh then take the same time."""
 
-PAIRS = 5_000
+CHEAP_PAIRS = 5_000
 """Near pairs, twice over, that cost little, of however few points: what footprints are beyond them
 does not average out over few contacts."""
 
-WIDEST = 3.0
+SPLIT_OVER_WIDTH = 3.0
 """Least split length over the root of the widest variance: moments must stay an expansion."""
 
 NEAREST_IMAGE = 0.499
@@ -54,25 +54,25 @@ one: the largest that footprints do not ask for."""
 MOST_PAIRS = 2_000_000
 """Near pairs, twice over, up to which footprints may ask for more."""
 
-RUNG = 1.19
+CUT_RATIO = 1.19
 """Ratio of the cut-offs that plans of a periodic cell may have: they share meshes then."""
 
 PAIRS_PER_THREAD = 25_000
 """Pairs whose part of a field repays a thread."""
 
-SLACK = 8
+TRAILING_PLACES = 8
 """Places behind the last pair of a chunk that whole vectors may read or write."""
 
-CELLS = 10
+MOST_CELLS = 10
 """Most cells along each side."""
 
-CROWD = 100
+POINTS_PER_CELL = 100
 """Points of a cell, on average."""
 
-FEWEST = 1_000
+FEWEST_POINTS = 1_000
 """Points up to which cells do not pay."""
 
-FINER = 8
+WAVES_PER_CELL = 8
 """Waves per cell along each side of which the kernel between cells is made."""
 
 
@@ -92,7 +92,9 @@ def split_length(
     fastest if None.
     """
     if neighbors is None:
-        neighbors = max(NEAREST if count <= FEW else NEIGHBORS, PAIRS / count)
+        neighbors = max(
+            FEW_NEIGHBORS if count <= FEW_POINTS else MEAN_NEIGHBORS, CHEAP_PAIRS / count
+        )
     # within this distance of a point there are `neighbors` of a plane or, if more, of a line
     reach = max(
         math.sqrt(neighbors / math.pi * size[0] * size[1] / count),
@@ -117,7 +119,7 @@ def _least_cut(
     count: int, size: tuple[float, float], periodic: bool, widest: float, cut: float
 ) -> float:
     """Least cut-off for footprints; arguments as of `split_length`."""
-    least = cut * WIDEST * math.sqrt(widest)
+    least = cut * SPLIT_OVER_WIDTH * math.sqrt(widest)
     if not periodic:
         return least
     affordable = math.sqrt(MOST_PAIRS / math.pi * size[0] * size[1]) / count
@@ -127,10 +129,10 @@ def _least_cut(
 def _repeated(wanted: float, least: float, largest: float) -> float:
     """The cut-off nearest to that wanted, but no more than the largest, of those that plans share;
     the next one where it is below the least."""
-    rungs = max(round(math.log(largest / wanted, RUNG)), 0)
-    if largest * RUNG**-rungs < least:
-        rungs = math.floor(math.log(largest / least, RUNG))
-    return largest * RUNG**-rungs
+    rungs = max(round(math.log(largest / wanted, CUT_RATIO)), 0)
+    if largest * CUT_RATIO**-rungs < least:
+        rungs = math.floor(math.log(largest / least, CUT_RATIO))
+    return largest * CUT_RATIO**-rungs
 
 
 def total(
@@ -175,7 +177,7 @@ def near_pairs(
 
     run(find, rows)  # counts them
     if number.any():
-        end = np.cumsum(number + SLACK)
+        end = np.cumsum(number + TRAILING_PLACES)
         first[1:] = end[:-1]
         col, pair = np.zeros(end[-1], np.int32), np.zeros((2, end[-1]), np.float32)
         run(find, rows)
@@ -221,7 +223,7 @@ class TwoLevelPreconditioner:
     ) -> None:
         n = len(y)
         self.body, self.wrap, self.sides = footprints, wrap, sides
-        self.count = min(CELLS, math.isqrt(n // CROWD)) if n >= FEWEST else 1
+        self.count = min(MOST_CELLS, math.isqrt(n // POINTS_PER_CELL)) if n >= FEWEST_POINTS else 1
         self.cell = np.zeros(n, np.int32)
         if self.count > 1:
             row, column = (
@@ -255,13 +257,15 @@ def _kernel(
     """`TwoLevelPreconditioner.kernel`: on a free half-space that of a cell of twice the size, which
     repeats."""
     lines = count if wrap else 2 * count
-    waves = np.fft.fftfreq(lines * FINER, 1 / (lines * FINER))
+    waves = np.fft.fftfreq(lines * WAVES_PER_CELL, 1 / (lines * WAVES_PER_CELL))
     extent = [side * lines / count for side in sides]
     q = np.hypot(*np.meshgrid(*(2 * np.pi * waves / side for side in extent), indexing="ij"))
     q[0, 0] = np.inf if wrap else q[0, 1]
     evened = np.sinc(waves / lines) ** 2
     symbol = body.symbol * q ** (body.m - 1) * np.multiply.outer(evened, evened)
-    value = np.fft.ifft2(symbol).real[::FINER, ::FINER] * (len(waves) ** 2 / math.prod(extent))
+    value = np.fft.ifft2(symbol).real[::WAVES_PER_CELL, ::WAVES_PER_CELL] * (
+        len(waves) ** 2 / math.prod(extent)
+    )
     row, column = np.divmod(np.arange(count**2), count)
     apart = (np.subtract.outer(place, place) % lines for place in (row, column))
     return np.asarray(value[tuple(apart)])

@@ -22,15 +22,15 @@ __all__ = ["Mesh", "SmoothField", "mesh_of"]
 NODES_PER_THREAD = 50_000
 """Wave vectors that repay a thread of the transform."""
 
-SHORT = 100
+MATRIX_NODES = 100
 """Nodes along each side up to which transforms are products of matrices: they take half the time of
 the library's, and a tenth on 16 nodes. The products of longer ones would use several threads."""
 
-LEAST = 32
+LEAST_NODES = 32
 """Nodes along each side of a periodic cell at least: with few contacts errors of the mesh, which
 hang on their places between its nodes, do not average out."""
 
-HIGHEST = 13.0
+HIGHEST_WAVE_NUMBER = 13.0
 """Wave number times eta beyond which the smooth part is nothing (1e-18)."""
 
 
@@ -48,7 +48,8 @@ class Mesh:
     shape
         Nodes (my, mx), padding included.
     waves
-        Of a `SHORT` mesh, what `_mesh_kernels.convolve` reads of both sides; otherwise empty.
+        Of a mesh up to `MATRIX_NODES`, what `_mesh_kernels.convolve` reads of both sides; otherwise
+        empty.
 
     Notes
     -----
@@ -66,7 +67,7 @@ class Mesh:
         precision: type,
     ) -> None:
         if periodic:
-            self.shape = _lengths(*(max(LEAST, math.ceil(nodes * s)) for s in size))
+            self.shape = _lengths(*(max(LEAST_NODES, math.ceil(nodes * s)) for s in size))
             step = (size[0] / self.shape[0], size[1] / self.shape[1])
             transfer = _periodic_transfer(footprints, size, self.shape)
         else:
@@ -77,7 +78,7 @@ class Mesh:
             transfer = smooth * np.multiply.outer(_correction(self.shape[0]), across)
         self.per_step = np.array([1 / step[0], 1 / step[1]])
         self.waves: tuple[NDArray[np.floating], ...] = ()
-        if max(self.shape) <= SHORT:
+        if max(self.shape) <= MATRIX_NODES:
             self.waves = tuple(_waves(n, precision) for n in self.shape)
             h, g = (n // 2 for n in self.shape)
             transfer = np.stack([[transfer[a : a + h, b : b + g] for a in (0, 1)] for b in (0, 1)])
@@ -168,7 +169,7 @@ def _waves(n: int, precision: type) -> NDArray[np.floating]:
 
 
 def _lengths(*wanted: int) -> tuple[int, int]:
-    if max(wanted) <= SHORT:
+    if max(wanted) <= MATRIX_NODES:
         ny, nx = (n + n % 2 for n in wanted)
     else:
         ny, nx = (scipy.fft.next_fast_len(n, real=True) for n in wanted)
@@ -187,7 +188,14 @@ def _periodic_transfer(
     table = _smooth_share(m)
     along, across = _correction(shape[0]), _correction(shape[1])[: len(qx)]
     _mesh_kernels.smooth_symbol(
-        qy, qx, along, across, 1 - m, table, (len(table) - 1) / HIGHEST ** (1 - m), transfer
+        qy,
+        qx,
+        along,
+        across,
+        1 - m,
+        table,
+        (len(table) - 1) / HIGHEST_WAVE_NUMBER ** (1 - m),
+        transfer,
     )
     transfer[0, 0] = -(0.25 ** ((1 - m) / 2)) / gamma((3 - m) / 2) * along[0] * across[0]
     density = shape[0] * shape[1] / (size[0] * size[1])
@@ -196,8 +204,8 @@ def _periodic_transfer(
 
 @functools.lru_cache(maxsize=16)
 def _smooth_share(m: float) -> NDArray[np.float64]:
-    """Q((1-m)/2, q^2/4) at equispaced q^(1-m), up to q = `HIGHEST`, where it has vanished."""
-    rising = np.linspace(0.0, HIGHEST ** (1 - m), 8193)
+    """Q((1-m)/2, q^2/4) at equispaced q^(1-m), to `HIGHEST_WAVE_NUMBER`, where it has vanished."""
+    rising = np.linspace(0.0, HIGHEST_WAVE_NUMBER ** (1 - m), 8193)
     return np.asarray(gammaincc((1 - m) / 2, rising ** (2 / (1 - m)) / 4))
 
 

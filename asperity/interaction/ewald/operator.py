@@ -18,25 +18,25 @@ from . import _mesh_kernels, _near_kernels, _pair_kernels
 from .cells import TwoLevelPreconditioner, chunks, long_enough, near_pairs, run, split_length, total
 from .mesh import Mesh, SmoothField, mesh_of
 
-__all__ = ["CAP", "Field", "Interaction"]
+__all__ = ["LARGEST_VARIANCE", "Field", "Interaction"]
 
-CUT = 2.0
+CUT_OVER_SPLIT_LENGTH = 2.0
 """Cut-off of the near pairs over the split length eta."""
 
-CAP = 0.35
+LARGEST_VARIANCE = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
 
 PAIRS_ASIDE = 40_000
 """Near pairs that repay to be summed beside the mesh, on another thread."""
 
-NODES = 1.7
+NODES_PER_SPLIT_LENGTH = 1.7
 """Mesh nodes per split length."""
 
 TANGENT_NODES = 0.7
 """Mesh nodes of tangents over those of fields, each way: their products differ by 0.1 % then."""
 
-ROUND = np.array([1.0, 1.0, 0.0])
+ROUND_MOMENTS = np.array([1.0, 1.0, 0.0])
 """Moments yy, xx, xy of a round footprint over its variance."""
 
 BEADS = np.stack(np.polynomial.hermite_e.hermegauss(4)).astype(np.float32)
@@ -125,8 +125,8 @@ class Interaction:
         *,
         widest: float = 0.0,
         neighbors: float | None = None,
-        cut: float = CUT,
-        nodes: float = NODES,
+        cut: float = CUT_OVER_SPLIT_LENGTH,
+        nodes: float = NODES_PER_SPLIT_LENGTH,
     ) -> None:
         self.footprints = footprints
         periodic = boundary == "periodic"
@@ -180,7 +180,7 @@ class Interaction:
         self.tangent_col = np.empty(len(self.col) + 1, np.int32)
         self.tangent_value = np.empty(len(self.col) + 1, np.float32)
         self.smooth: SmoothField | None = None
-        self.round = np.tile(ROUND, (len(y), 1))
+        self.round = np.tile(ROUND_MOMENTS, (len(y), 1))
         self.form = (np.empty(0), np.empty(0), np.empty(0), np.empty(0, np.float32))
 
     def field(
@@ -206,12 +206,22 @@ class Interaction:
         growth = np.zeros(n) if growth is None else growth
         dipole = np.empty((n, 2))
         _pair_kernels.in_split_lengths(
-            variance, growth, moment, size, skew, CAP, self.eta, m, record, wide, dipole
+            variance,
+            growth,
+            moment,
+            size,
+            skew,
+            LARGEST_VARIANCE,
+            self.eta,
+            m,
+            record,
+            wide,
+            dipole,
         )
         found = Field(np.empty(n), np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n))
 
         def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
-            place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
+            place = self.y, self.x, force, m, LARGEST_VARIANCE, dipole, self.mesh.per_step
             _mesh_kernels.deposit(np.array([0, n]), *place, self.masses, self.aside)
             return self.mesh.convolve(self.masses), self.mesh_aside.convolve(self.aside)
 
@@ -223,7 +233,7 @@ class Interaction:
                 wide,
                 shape,
                 dipole,
-                CAP,
+                LARGEST_VARIANCE,
                 self.ptr,
                 self.col,
                 self.pair,
@@ -236,7 +246,16 @@ class Interaction:
             )
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
-            place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step, self.scales
+            place = (
+                self.y,
+                self.x,
+                force,
+                m,
+                LARGEST_VARIANCE,
+                self.own,
+                self.mesh.per_step,
+                self.scales,
+            )
             near = total(self.part, rows)
             _mesh_kernels.gather(rows, *place, size, smooth, other, near, *found)
 

@@ -11,10 +11,10 @@ import math
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled
 
-TINY = 1e-200
+SMALLEST_APPROACH = 1e-200
 """Approach [m] below which a contact stays where it is."""
 
-LONGEST = 5.0
+LONGEST_STEP = 5.0
 """Steps over the preconditioned residual that are longer meet next to no resistance: they are 0.4
 to 0.9 where the matrix is positive definite, 1.8 at most on random maps, 3 to 5 where a lattice of
 equal summits is about to fill."""
@@ -27,7 +27,7 @@ def shift_contacts(
     """Height gained, shift and force times shift (n, 2) of each contact."""
     for i in range(force.size):
         y, x, rise = 0.0, 0.0, 0.0
-        if force[i] > 0.0 and approach[i] > TINY:
+        if force[i] > 0.0 and approach[i] > SMALLEST_APPROACH:
             along_y, along_x = tilt[i, 0], tilt[i, 1]
             radius = power * stiffness[i] / (2.0 * modulus)
             square = radius * radius if power == 1.0 else radius ** (2.0 / power)
@@ -122,7 +122,7 @@ def advance(
     curvature = 0.0
     for i in range(direction.size):
         curvature += direction[i] * image[i]
-    if LONGEST * curvature <= product:
+    if LONGEST_STEP * curvature <= product:
         return False, (0.0, 0.0, 0.0)
     length = product / curvature
     for i in range(solution.size):

@@ -16,14 +16,14 @@ from .step import Step, conjugate_gradients
 
 __all__ = ["Solution", "finished", "shared", "tangent_of", "tangent_response"]
 
-FORCING = 0.2
+LINEAR_TOLERANCE = 0.2
 """Relative accuracy of the linear solve of a step."""
 
-RESPONSE = 0.1
+RESPONSE_TOLERANCE = 0.1
 """Relative accuracy of the response to a fall of the plane; the sum of the response is right to
 twice as many digits."""
 
-FALLS = 2
+MAX_FALLS = 2
 """Small falls of the plane that bring a point to its load."""
 
 Array = NDArray[np.float64]
@@ -105,13 +105,13 @@ def finished(state: State, found: Solution, load: float) -> Solution:
     tangent = tangent_of(state)
     rows, error = tangent.index, state.error[tangent.index]
     move = Step(state, tangent)
-    solved = conjugate_gradients(tangent, error, tolerance=FORCING, held=True)
+    solved = conjugate_gradients(tangent, error, tolerance=LINEAR_TOLERANCE, held=True)
     approach, wanted = np.zeros(len(state.approach)), state.wanted - solved.constant
     approach[rows] = move.approach(solved.solution)
     wanted[rows] = move.wanted_after(solved.constant, solved.solution, error - solved.residual)
     separation = found.separation + solved.constant
     slope, shares, products = tangent_response(tangent, state, found.shares)
-    for _ in range(FALLS if slope > 0 else 0):
+    for _ in range(MAX_FALLS if slope > 0 else 0):
         fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
         closed = approach > 0
         approach[closed] = np.maximum(approach + fall * shares, 0.5 * approach)[closed]
@@ -139,7 +139,9 @@ def tangent_response(tangent: Tangent, state: State, compliance: Array) -> tuple
     # footprints that grow would make it too soft
     tangent.stiffen(1 / state.stiffness[rows] - tangent.compliance)
     start = shared(None, compliance, tangent)
-    solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=RESPONSE, start=start)
+    solved = conjugate_gradients(
+        tangent, np.ones(len(rows)), tolerance=RESPONSE_TOLERANCE, start=start
+    )
     shares[rows] = solved.solution * tangent.compliance
     # stationary in the solution, so that its error counts twice
     return float(np.sum(solved.solution * (1 + solved.residual))), shares, solved.products

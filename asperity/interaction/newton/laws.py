@@ -13,28 +13,28 @@ from asperity.microcontact import law_kernels
 from asperity.microcontact.law_table import LawTable, LazyTable
 from surfaces.numerics.parallel import blocks, run
 
-__all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Laws"]
+__all__ = ["FILLED_SHARE", "LARGEST_STIFFNESS", "LEAST_BATCH", "Evaluated", "Laws"]
 
-BLOCK = 128
+LEAST_BATCH = 128
 """Laws made at least at a time, on demand."""
 
-FEW = 64
+LEAST_SPARE_LAWS = 64
 """Laws made at least besides those that are missing, where it is known which laws will be needed
 later: with half as many one more block is made at the last load."""
 
 CONTACTS_PER_THREAD = 10_000
 """Contacts whose laws repay a thread."""
 
-WHOLE = 400
+SMALL_REST = 400
 """Laws left to make up to which all are made at once: several small batches would cost more."""
 
-FILLED = 0.5
+FILLED_SHARE = 0.5
 """Contact area over that at reach, the whole basin, beyond which a contact counts as filled."""
 
-STIFFEST = 1.5
+LARGEST_STIFFNESS = 1.5
 """Largest stiffness over that of a round punch of the same area; an ellipse of 6:1 has 1.28."""
 
-SOFTEST = 1e-3
+LEAST_STIFFNESS = 1e-3
 """Least stiffness over the largest of a contact whose pressure a hardness bounds."""
 
 LEAST_FORCE = 1e-3
@@ -77,9 +77,10 @@ class Laws:
 
     The coupled problem needs what every true law has (docs/development/half_space.md): a contact
     grows with its approach, and its stiffness with it, up to that of a flat punch of the contact. A
-    table that breaks this gets the largest convex force below its own, no steeper than `STIFFEST`
-    times a round punch of its largest area; nodal stiffnesses are kept between those of the
-    neighboring intervals. With a hardness the stiffness may fall, and only the force has to grow;
+    table that breaks this gets the largest convex force below its own, no steeper than
+    `LARGEST_STIFFNESS` times a round punch of its largest area; nodal stiffnesses are kept between
+    those of the neighboring intervals. With a hardness the stiffness may fall, and only the force
+    has to grow;
     what it exceeds the table by, beyond the reach, is carried at the hardness on more area.
     """
 
@@ -155,9 +156,9 @@ class Laws:
         lacking = int(np.count_nonzero(wanted[missing] > 0))
         if not lacking:
             return missing[:0]
-        block = lacking + max(lacking // 8, FEW)
+        block = lacking + max(lacking // 8, LEAST_SPARE_LAWS)
         if self.store.ahead is None:
-            block = max(lacking + lacking // 8, BLOCK, int(self.store.ready.sum()) // 40)
+            block = max(lacking + lacking // 8, LEAST_BATCH, int(self.store.ready.sum()) // 40)
         return missing[np.argsort(-wanted[missing], kind="stable")[:block]]
 
     def foresee(self, rows: NDArray[np.int64] | None) -> None:
@@ -171,8 +172,8 @@ class Laws:
             self.store.need(self.index if some is None else self.index[some])
 
     def filled(self, law: Evaluated) -> NDArray[np.bool_]:
-        """Which contacts cover more than `FILLED` of the area that they have at reach."""
-        return np.asarray(law.area > FILLED * self.store.largest.take(self.index))
+        """Which contacts cover more than `FILLED_SHARE` of the area that they have at reach."""
+        return np.asarray(law.area > FILLED_SHARE * self.store.largest.take(self.index))
 
 
 class _Store:
@@ -199,7 +200,7 @@ class _Store:
             left = np.flatnonzero(~self.ready)
             if self.ahead is not None:
                 rows = np.append(rows, self.ahead[~self.ready[self.ahead]])
-            rows = left if len(left) <= WHOLE else np.unique(rows)
+            rows = left if len(left) <= SMALL_REST else np.unique(rows)
             for part, nodes in self.nodes.blocks(self.nodes.in_order(rows)):
                 self._add(part, nodes)
 
@@ -219,7 +220,7 @@ class _Store:
         good = (reach > 0) & (force[:, -1] > 0)
         self.usable[rows] = good
         rows, reach, area = rows[good], reach[good], area[good]
-        cap = STIFFEST * self.footprints.punch(np.sqrt(area.max(axis=1) / np.pi))
+        cap = LARGEST_STIFFNESS * self.footprints.punch(np.sqrt(area.max(axis=1) / np.pi))
         force, stiffness = force[good], stiffness[good]
         if nodes.hardness == math.inf:
             force, stiffness = _sound(reach, force, stiffness, cap)
@@ -290,7 +291,7 @@ def _growing(
     cap: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Forces that grow, with stiffnesses between a part of the largest and `cap`."""
-    least = SOFTEST * stiffness.max(axis=1, keepdims=True)
+    least = LEAST_STIFFNESS * stiffness.max(axis=1, keepdims=True)
     bounded = np.clip(stiffness, np.minimum(least, cap[:, None]), cap[:, None])
     grown = np.maximum.accumulate(_rising(force, _shares(force.shape[1] - 1)), axis=1)
     return grown, bounded

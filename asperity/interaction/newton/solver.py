@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .final_step import FORCING, Solution, finished, shared, tangent_of
+from .final_step import LINEAR_TOLERANCE, Solution, finished, shared, tangent_of
 from .state import Problem, State
 from .step import Step, conjugate_gradients
 
 __all__ = ["descent"]
 
-MAX_STEPS = 60
+MAX_NEWTON_STEPS = 60
 MAX_LOADED_STEPS = 30
 """Newton steps under a load before its separation is searched for instead."""
 
@@ -24,37 +24,37 @@ MAX_LONG_STEPS = 24
 so far that their approximate sum has no solution, or several."""
 
 MAX_CUTS = 30
-NOISE = 1e-10
+ENERGY_NOISE = 1e-10
 """Share of the energies below which a change of energy is not known: pairs are tabulated."""
 
-RELAXATION = 0.8
+EARLY_RELAXATION = 0.8
 """Share of the change of the contact shifts that an early step takes: more force here means less
 there, so that the full change overshoots."""
 
-SETTLING = 0.6
+PREDICTED_SHIFT_SHARE = 0.6
 """Share of the change of the contact shifts that a point leaves for the next prediction: what is
 extrapolated doubles the differences that points leave, and overshoots grew from point to point."""
 
-EARLY = 3
+FIXED_RELAXATION_STEPS = 3
 """Newton steps from which on the share is taken from how the last change went."""
 
-SHARES = (0.2, 1.0)
+RELAXATION_BOUNDS = (0.2, 1.0)
 """Least and largest share."""
 
-SUFFICIENT = 1e-4
+ARMIJO_SHARE = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo)."""
 
-ROUGH = 0.03
+REFINED_RESIDUAL = 0.03
 """Residual above which the laws are taken anew within a step."""
 
-MANY = 400
+AVERAGING_CONTACTS = 400
 """Closed contacts from which on the errors of both signs average out: under a load, the residual of
 fewer is held to a bound smaller in proportion."""
 
-MISSED = 1e-3
+MISSED_LOAD = 1e-3
 """Relative error of the load after the last step, beyond which it went astray."""
 
-COARSE = 0.3
+ROUGH_LINEAR_TOLERANCE = 0.3
 """Relative accuracy of the linear solve of such a step; half of it after the laws are renewed."""
 
 Array = NDArray[np.float64]
@@ -107,7 +107,7 @@ def descent(
     assert solution.linearized is not None
     final = finished(solution.linearized, solution, load)
     missed = abs(final.load / load - 1.0)
-    if not missed <= MISSED:
+    if not missed <= MISSED_LOAD:
         return replace(solution, reason=f"the last step missed the load by {100 * missed:.2g} %")
     return final
 
@@ -123,9 +123,9 @@ def _newton_steps(
 ) -> Generator[NDArray[np.int64], None, Solution]:
     """`descent` up to its last step."""
     state = State(problem, np.maximum(start, 0.0), tilt)
-    limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
+    limit = MAX_NEWTON_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
-    products, reason, held, share = 1, "", None, RELAXATION
+    products, reason, held, share = 1, "", None, EARLY_RELAXATION
     last = np.zeros(len(start))
     for step in range(limit + 1):
         state.balance(separation, load is not None)
@@ -137,7 +137,7 @@ def _newton_steps(
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)
         closed = int(np.count_nonzero(state.approach))
-        few = 1.0 if load is None else min(1.0, closed / MANY)
+        few = 1.0 if load is None else min(1.0, closed / AVERAGING_CONTACTS)
         if error <= few * tolerance and wrong <= 0.5 * tolerance:
             break
         if load is not None and not state.active.any():
@@ -147,10 +147,10 @@ def _newton_steps(
             reason = f"{limit} Newton steps left a residual of {error:.1e}"
             break
         behind = state.risen - (state.risen if held is None else held)
-        if step >= EARLY:
+        if step >= FIXED_RELAXATION_STEPS:
             share = _relaxed(share, last, behind, state.laws.stiffness)
         held = state.risen if held is None else held + share * behind
-        tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
+        tilt = tilt + (share if step >= FIXED_RELAXATION_STEPS else 1.0) * (state.field.tilt - tilt)
         last = behind
         state.raised(held - state.risen)
         tangent = tangent_of(state)
@@ -168,9 +168,9 @@ def _newton_steps(
         state.raised(-solved.constant)
         move = Step(state, tangent)
         products, found = products + solved.products, None
-        if state.relative > ROUGH:
+        if state.relative > REFINED_RESIDUAL:
             refined, change, constant, spent = move.refine(
-                solved.solution, tolerance=0.5 * COARSE, load=load
+                solved.solution, tolerance=0.5 * ROUGH_LINEAR_TOLERANCE, load=load
             )
             state.raised(-constant)
             found = _taken(state, refined, change, tilt)
@@ -191,7 +191,7 @@ def _newton_steps(
         approach=state.approach,
         wanted=state.wanted,
         laws=state.laws,
-        tilt=tilt + SETTLING * (state.field.tilt - tilt),
+        tilt=tilt + PREDICTED_SHIFT_SHARE * (state.field.tilt - tilt),
         residual=error,
         steps=step,
         products=products,
@@ -217,14 +217,14 @@ def _relaxed(
     if not whole:
         return share
     found = -share * float(np.sum(stiffness * last * change)) / whole
-    return min(max(found, SHARES[0]), SHARES[1])
+    return min(max(found, RELAXATION_BOUNDS[0]), RELAXATION_BOUNDS[1])
 
 
 def _forcing(residual: float, tolerance: float) -> float:
     """Relative accuracy of the linear solve: no better than the step deserves."""
-    if not 0.0 < residual < ROUGH:
-        return COARSE
-    return min(0.5 * FORCING, max(0.02, 0.5 * tolerance / residual))
+    if not 0.0 < residual < REFINED_RESIDUAL:
+        return ROUGH_LINEAR_TOLERANCE
+    return min(0.5 * LINEAR_TOLERANCE, max(0.02, 0.5 * tolerance / residual))
 
 
 def _line_search(state: State, move: Step, change: Array, tilt: Array) -> tuple[State | None, int]:
@@ -243,5 +243,5 @@ def _taken(state: State, move: Step, change: Array, tilt: Array) -> State | None
     approach[move.rows] = move.approach(change)
     trial = State(state.problem, approach, tilt)
     fall, slope, scale = state.energy_change(trial)
-    noise = NOISE * scale
-    return trial if slope < noise and fall <= SUFFICIENT * slope + noise else None
+    noise = ENERGY_NOISE * scale
+    return trial if slope < noise and fall <= ARMIJO_SHARE * slope + noise else None

@@ -21,11 +21,11 @@ __all__ = ["Solved", "Step", "conjugate_gradients", "corrected_prediction"]
 
 Array = NDArray[np.float64]
 
-SOFT = 1e6
+OPENED_COMPLIANCE = 1e6
 """Compliance, over that in the tangent, of contacts that a step has opened: they stay open while
 their neighbors change."""
 
-FORCING = 0.05
+BEST_LINEAR_TOLERANCE = 0.05
 """Relative accuracy of the linear solve at best: of many contacts a rougher one left a third of the
 points to a Newton step, which costs twice as much as the rest."""
 
@@ -133,7 +133,7 @@ class Step:
         after.lower, after.upper = _bounds(approach, approach + error, error)
         opened = ~closed & (error <= 0)
         own = 1 / after.stiffness
-        own[opened] *= SOFT
+        own[opened] *= OPENED_COMPLIANCE
         self.tangent.stiffen(own - 1 / self.stiffness)
         constant, start = 0.0, None
         if load is not None and closed.any():
@@ -183,7 +183,7 @@ def corrected_prediction(
     # the residual, sum |r| k, is at most the root of sum k r^2 times sum k
     most = math.sqrt(float(stiffness.sum()) * float(np.sum(lack * lack / stiffness)))
     enough = tolerance * float(own.sum()) / most if most > 0 else 1.0
-    enough = min(max(FORCING, enough), 1.0)
+    enough = min(max(BEST_LINEAR_TOLERANCE, enough), 1.0)
     solved = conjugate_gradients(tangent, lack / stiffness, tolerance=enough)
     share = np.maximum((force + solved.solution) / own, 0.0)
     approach = np.maximum(wanted, 0.0)

@@ -8,24 +8,32 @@ import numpy as np
 
 from surfaces.numerics.compiled import inner
 
-__all__ = ["CHUNK", "MOST", "NONE", "REACH", "bear", "contact_size", "solve"]
+__all__ = [
+    "COPY_CHUNK",
+    "MOST_ELEMENTS",
+    "MOST_SIDE_ELEMENTS",
+    "OUTSIDE",
+    "bear",
+    "contact_size",
+    "solve",
+]
 
-REACH = 64
+MOST_SIDE_ELEMENTS = 64
 """Largest number of elements along a side of the grid of one contact."""
 
-MOST = 700
+MOST_ELEMENTS = 700
 """Largest number of elements of one contact."""
 
-CHUNK = 16
+COPY_CHUNK = 16
 """Influences copied at a time: what follows is overwritten, and rows are as much longer."""
 
-LONGEST = 200
+MAX_GRADIENT_STEPS = 200
 """Steps of conjugate gradients."""
 
-SHIFTS = 4
+FORCE_SHIFTS = 4
 """Times that the force is restored by a shift of all pressures between their bounds."""
 
-NONE = -1
+OUTSIDE = -1
 """Number of elements of other basins and of those that the flat does not reach."""
 
 
@@ -57,10 +65,13 @@ def _relieve(count, amounts, row, col, kernel, system, out):
             made[i], last = True, 0
             while last < count:  # elements that follow each other in a row of the grid
                 first, last = last, ends[last]
-                begin, offsets = REACH + col[first] - col[i], kernel[abs(row[first] - row[i])]
-                for at in range(0, last - first, CHUNK):
+                begin, offsets = (
+                    MOST_SIDE_ELEMENTS + col[first] - col[i],
+                    kernel[abs(row[first] - row[i])],
+                )
+                for at in range(0, last - first, COPY_CHUNK):
                     to, some = line[first + at :], offsets[begin + at :]
-                    for k in range(CHUNK):
+                    for k in range(COPY_CHUNK):
                         to[k] = some[k]
         for k in range(count):
             out[k] -= amount * line[k]
@@ -82,7 +93,7 @@ def solve(count, row, col, gap, kernel, tolerance, system, pressure, work):
         left[i], way[i] = gap[i], 0.0
     _relieve(count, pressure, row, col, kernel, system, left)
     before, fresh = 1.0, True
-    for _ in range(LONGEST):
+    for _ in range(MAX_GRADIENT_STEPS):
         total, error, square = 0.0, 0.0, 0.0
         for i in range(count):
             total += pressure[i] * gap[i]
@@ -119,7 +130,7 @@ def solve(count, row, col, gap, kernel, tolerance, system, pressure, work):
 @inner(fastmath=True)
 def _restore(count, load, bound, pressure):
     """Bring the sum of pressures between 0 and `bound` to the load by a shift of those between."""
-    for _ in range(SHIFTS):
+    for _ in range(FORCE_SHIFTS):
         total, between = 0.0, 0
         for i in range(count):
             total += pressure[i]
@@ -182,7 +193,7 @@ def bear(count, row, col, gap, kernel, load, bound, tolerance, system, pressure,
     _relieve(count, pressure, row, col, kernel, system, left)
     before, fresh = np.float32(1.0), True
     level = np.float32(0.0)
-    for _ in range(LONGEST):
+    for _ in range(MAX_GRADIENT_STEPS):
         level = _level(count, bound, pressure, left)
         error, total, square, mean, free = 0.0, 0.0, 0.0, 0.0, 0
         for i in range(count):
@@ -265,7 +276,7 @@ def _way(inside, outside, side, closed, left, m, edge, bound):
 def contact_size(number, nv, nu, hv, hu, closed, left, m, edge, bound):
     """Area over that of an element within the contour of a contact.
 
-    `number` is the element at each point of the grid, or `NONE`. The contour crosses the lines
+    `number` is the element at each point of the grid, or `OUTSIDE`. The contour crosses the lines
     between neighbors as `_way` says and is straight from one line to the next; where the next point
     is none, it runs along the elements.
     """
@@ -276,7 +287,7 @@ def contact_size(number, nv, nu, hv, hu, closed, left, m, edge, bound):
             count = 0
             for k in range(4):
                 row, col = i + (1 if k == 1 or k == 2 else 0), j + k // 2
-                corners[k] = NONE
+                corners[k] = OUTSIDE
                 if 0 <= row < nv and 0 <= col < nu:
                     corners[k] = number[row * nu + col]
                 if corners[k] >= 0 and closed[corners[k]] > 0.0:

@@ -9,41 +9,41 @@ import numpy as np
 from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import expand
 
-from ._closing_kernels import MOST, NONE, REACH, bear, contact_size, solve
+from ._closing_kernels import MOST_ELEMENTS, MOST_SIDE_ELEMENTS, OUTSIDE, bear, contact_size, solve
 
-__all__ = ["ASPECTS", "WINDOW", "areas_under_load", "press_levels"]
+__all__ = ["ASPECTS", "HALF_WINDOW", "areas_under_load", "press_levels"]
 
 ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
 
-WINDOW = 96
+HALF_WINDOW = 96
 """Half the side [pixels] of the window in which the basin of a summit is looked at."""
 
-FITS = 4
+GRID_FITS = 4
 """Times that the grid is fitted to the part of the basin above the flat."""
 
-TIGHT = 0.75
+TIGHT_FIT = 0.75
 """Size of the fitted grid over the one before at which it stands."""
 
-SPARSE = 0.4
+LEAST_OVERLAP = 0.4
 """Least part of the grid to overlap with the flat; elements become smaller until as many do."""
 
-FEW = 12
+FEW_PIXELS = 12
 """Pixels above the flat below which the axes of the summit turn the grid, not their moments."""
 
-TIP = 1.7
+FIRST_BOX = 1.7
 """Half a side of the first box about a summit over the root of approach over curvature."""
 
-TRIES = 6
+GRID_TRIES = 6
 """Grids tried for one contact."""
 
-SPARE = 1.1
+VIEWED_DEPTH = 1.1
 """Depth of the part of a basin that is looked at, over the approach of the contact."""
 
-SLACK = 0.35
+SHORT_DEPTH = 0.35
 """Part of that depth which the flat may stay short of: beyond, elements are too large."""
 
-SHALLOWEST = 1e-4
+LEAST_DEPTH_RATIO = 1e-4
 """Least depth of the next try over that of the last one: single precision tells no smaller part."""
 
 
@@ -65,7 +65,7 @@ def _flood(
     """
     ny, nx = heights.shape
     rows[0], cols[0] = row, col
-    mark[WINDOW, WINDOW] = stamp
+    mark[HALF_WINDOW, HALF_WINDOW] = stamp
     count, done = 1, 0
     while done < count:
         y, x = rows[done], cols[done]
@@ -73,9 +73,9 @@ def _flood(
         for step in range(9):
             r, c = y + step // 3 - 1, x + step % 3 - 1
             dr, dc = r - row, c - col
-            if abs(dr) > WINDOW or abs(dc) > WINDOW:
+            if abs(dr) > HALF_WINDOW or abs(dc) > HALF_WINDOW:
                 return 0
-            if mark[WINDOW + dr, WINDOW + dc] == stamp:
+            if mark[HALF_WINDOW + dr, HALF_WINDOW + dc] == stamp:
                 continue
             if periodic:
                 r, c = _wrapped(r, ny), _wrapped(c, nx)
@@ -89,7 +89,7 @@ def _flood(
                 return 0
             if owner[own] != peak:
                 continue
-            mark[WINDOW + dr, WINDOW + dc] = stamp
+            mark[HALF_WINDOW + dr, HALF_WINDOW + dc] = stamp
             rows[count], cols[count] = row + dr, col + dc
             count += 1
     return count
@@ -130,8 +130,8 @@ def _sample(
     kind = np.argmin(np.abs(np.log(ASPECTS) - 0.6 * math.log(max(along / across, 1.0))))
     side = math.sqrt(along * across / points)
     hu, hv = side * math.sqrt(ASPECTS[kind]), side / math.sqrt(ASPECTS[kind])
-    nu = min(max(math.ceil(along / hu), 4), REACH)
-    nv = min(max(math.ceil(across / hv), 4), REACH)
+    nu = min(max(math.ceil(along / hu), 4), MOST_SIDE_ELEMENTS)
+    nv = min(max(math.ceil(across / hv), 4), MOST_SIDE_ELEMENTS)
     stretch = max(along / (nu * hu), across / (nv * hv), 1.0)
     hu, hv = hu * stretch, hv * stretch
     u0 = 0.5 * (box[0] + box[1]) - 0.5 * (nu - 1) * hu
@@ -208,7 +208,7 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
     if count == 0:
         return -1, 0, 0, 0.0, 0.0, 0, 0.0, 0.0, 1.0, 0.0
     turn = axes[peak]
-    if count > FEW:
+    if count > FEW_PIXELS:
         turn = _turn(heights, tilt, place, pixel_rows, pixel_cols, count, low, spacing)
     c, s = math.cos(turn), math.sin(turn)
     box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
@@ -221,12 +221,12 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
         u, v = c * x + s * y, c * y - s * x
         box[0], box[1] = min(box[0], u - rim), max(box[1], u + rim)
         box[2], box[3] = min(box[2], v - rim), max(box[3], v + rim)
-    if count <= FEW:
+    if count <= FEW_PIXELS:
         for k in range(4):
-            tip = TIP * math.sqrt(depth / curvature[peak, 1 - k // 2])
+            tip = FIRST_BOX * math.sqrt(depth / curvature[peak, 1 - k // 2])
             box[k] = min(max(box[k], -tip), tip)
-    enough = SPARSE * wanted
-    for _ in range(FITS):
+    enough = LEAST_OVERLAP * wanted
+    for _ in range(GRID_FITS):
         size = (box[1] - box[0]) * (box[3] - box[2])
         nv, nu, hv, hu, kind, u0, v0, over = _sample(
             heights, labels, owner, periodic, flat, width, tilt, peak, place, top, depth,
@@ -234,19 +234,19 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
         )  # fmt: skip
         tighter = (box[1] - box[0]) * (box[3] - box[2]) / size
         finer = enough * tighter / max(over, 1)
-        if over < MOST:  # else more hang together than larger elements showed
-            finer = min(max(finer, 1.0), REACH**2 / wanted)
-            if tighter > TIGHT and finer * TIGHT < 1.0:
+        if over < MOST_ELEMENTS:  # else more hang together than larger elements showed
+            finer = min(max(finer, 1.0), MOST_SIDE_ELEMENTS**2 / wanted)
+            if tighter > TIGHT_FIT and finer * TIGHT_FIT < 1.0:
                 break
         wanted *= finer
     total = np.int64(0)
-    number[: nv * nu] = NONE
+    number[: nv * nu] = OUTSIDE
     for k in range(nv * nu):
-        if inside[k] and gap[k] > 0.0 and total < MOST:
+        if inside[k] and gap[k] > 0.0 and total < MOST_ELEMENTS:
             row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
             number[k] = total
             total += 1
-    if total == MOST:
+    if total == MOST_ELEMENTS:
         total = np.int64(-1)
     return total, nv, nu, hv, hu, kind, u0, v0, c, s
 
@@ -323,8 +323,8 @@ def areas_under_load(
     mark[:], stamp = 0, 0
     for slot in range(first, last):
         out[slot] = 0.0
-        force, depth = forces[slot], SPARE * depths[slot]
-        for attempt in range(TRIES):
+        force, depth = forces[slot], VIEWED_DEPTH * depths[slot]
+        for attempt in range(GRID_TRIES):
             stamp += 1
             total, nv, nu, hv, hu, kind, _, _, _, _ = _elements(
                 peaks[slot], depth, surface, summits, points, stamp, space
@@ -341,8 +341,8 @@ def areas_under_load(
                 total, row, col, overlap, kernels[kind], np.float32(load), bound, tolerance,
                 system, closed, work,
             )  # fmt: skip
-            if level < 0.0 or (level > SLACK and attempt < TRIES - 1):
-                depth *= SPARE * max(1.0 - level, SHALLOWEST)
+            if level < 0.0 or (level > SHORT_DEPTH and attempt < GRID_TRIES - 1):
+                depth *= VIEWED_DEPTH * max(1.0 - level, LEAST_DEPTH_RATIO)
                 continue
             sides, left = (math.sqrt(hv / hu), math.sqrt(hu / hv)), work[0]
             size = contact_size(number, nv, nu, *sides, closed, left, m, edge, bound)

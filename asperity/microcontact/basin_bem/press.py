@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from asperity.errors import Flag
 from asperity.halfspace.influence import compliance, near_influence
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.law_kernels import BLUNT
+from asperity.microcontact.law_kernels import BLUNT_TIP
 from asperity.microcontact.law_table import LawTable
 from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import mapped
@@ -31,35 +31,35 @@ __all__ = ["areas_under", "press", "put"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-STEPS = np.array([0, 1, 2, 4, 6, 9, 13, 23])
+PRESSED_NODES = np.array([0, 1, 2, 4, 6, 9, 13, 23])
 """Nodes of the table, from the last that the expansion describes on, at which a basin is pressed;
 and the last node."""
 
-STEPS_JOINED = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 19, 23])
+PRESSED_NODES_JOINED = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 19, 23])
 """Nodes at which the basin of joined summits is pressed, whose contact grows by jumps."""
 
-POINTS = 300.0
+ELEMENTS = 300.0
 """Elements of the box about the part of a basin above the flat, of which contact takes a third."""
 
-POINTS_LOADED = 150.0
+ELEMENTS_LOADED = 150.0
 """The same where a force is given."""
 
-TOLERANCE = 1e-3
+GAP_WORK = 1e-3
 """Work of the gaps that are left, over that of the pressures."""
 
-SPREAD = 0.005
+EXPECTED_ERROR = 0.005
 """Error expected of the force: marks the laws made here."""
 
-BEFORE = 4
+NODES_BEFORE = 4
 """Nodes of the expansion whose forces the spline runs through, before the first that is pressed."""
 
-TOGETHER = 8
+LEVELS_PER_THREAD = 8
 """Levels of a basin that one thread presses: some basins take ten times as long as others."""
 
-PER_THREAD = 3
+BASINS_PER_THREAD = 3
 """Basins under a force that repay a thread."""
 
-FEWEST = 3
+FEWEST_PRESSED = 3
 """Nodes pressed with less than which a law stays as it is."""
 
 
@@ -82,17 +82,17 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     surface, tops = _scene(summits, summits.peaks.row, summits.peaks.col)
     out = np.zeros((*depths.shape, 8))
     unit = compliance((1.0, 1.0), material)
-    rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
+    rules = unit, material.m, _kernels(material.m), ELEMENTS, GAP_WORK
     spare: list[Any] = []
 
     def part(some: tuple[int, int]) -> None:
         slot, first = some
         space = spare.pop() if spare else _space()
-        last = min(first + TOGETHER, depths.shape[1])
+        last = min(first + LEVELS_PER_THREAD, depths.shape[1])
         press_levels(slot, first, last, rows[slot], surface, tops, depths, *rules, out, space)
         spare.append(space)
 
-    parts = itertools.product(range(len(rows)), range(0, depths.shape[1], TOGETHER))
+    parts = itertools.product(range(len(rows)), range(0, depths.shape[1], LEVELS_PER_THREAD))
     parallel.each(part, [(k, a) for k, a in parts if a == 0 or depths[k, a] > 0.0])
     out[np.logical_or.accumulate(out[:, :, 0] < 0.0, axis=1)] = 0.0
     return out
@@ -110,12 +110,12 @@ def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: 
     surface, tops = _scene(summits, row, col)
     out = np.zeros(len(rows))
     unit, kernels = compliance((1.0, 1.0), body), _kernels(body.m)
-    rules = unit, body.m, body.hardness, kernels, POINTS_LOADED, TOLERANCE
+    rules = unit, body.m, body.hardness, kernels, ELEMENTS_LOADED, GAP_WORK
 
     def part(first: int, last: int) -> None:
         areas_under_load(first, last, rows, force, depth, surface, tops, *rules, out, _space())
 
-    parallel.run(part, parallel.blocks(len(rows), PER_THREAD))
+    parallel.run(part, parallel.blocks(len(rows), BASINS_PER_THREAD))
     return out
 
 
@@ -135,20 +135,21 @@ def _scene(summits: Summits, row: Rows, col: Rows) -> tuple[tuple[Any, ...], tup
 
 def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
     """Scratch of `press_levels`: of the window on the map, of the grid and of its elements."""
-    from ._closing_kernels import CHUNK, MOST, REACH
-    from ._element_kernels import WINDOW
+    from ._closing_kernels import COPY_CHUNK, MOST_ELEMENTS, MOST_SIDE_ELEMENTS
+    from ._element_kernels import HALF_WINDOW
 
-    mark, grid = np.empty((2 * WINDOW + 1,) * 2, np.int32), REACH**2
+    mark, grid = np.empty((2 * HALF_WINDOW + 1,) * 2, np.int32), MOST_SIDE_ELEMENTS**2
     return (
         (mark, *np.empty((2, mark.size), np.int64)),
         (np.empty(grid), np.empty(grid, np.int8), *np.empty((2, grid), np.int64), np.empty(4)),
         (
             (
-                np.empty((MOST, MOST + CHUNK), np.float32), np.empty(MOST, bool),
-                np.empty(MOST, np.int64),
+                np.empty((MOST_ELEMENTS, MOST_ELEMENTS + COPY_CHUNK), np.float32),
+                np.empty(MOST_ELEMENTS, bool),
+                np.empty(MOST_ELEMENTS, np.int64),
             ),
-            *np.empty((2, MOST), np.float32), np.empty((4, MOST), np.float32),
-            *np.empty((2, MOST), np.int64),
+            *np.empty((2, MOST_ELEMENTS), np.float32), np.empty((4, MOST_ELEMENTS), np.float32),
+            *np.empty((2, MOST_ELEMENTS), np.int64),
         ),
     )  # fmt: skip
 
@@ -156,14 +157,18 @@ def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
 @lru_cache(maxsize=4)
 def _kernels(m: float) -> NDArray[np.float32]:
     """Displacements by an element of unit area at offsets (row, column), sides as `ASPECTS`."""
-    from ._closing_kernels import CHUNK, REACH
+    from ._closing_kernels import COPY_CHUNK, MOST_SIDE_ELEMENTS
     from ._element_kernels import ASPECTS
 
-    out = np.zeros((len(ASPECTS), REACH, 2 * REACH + CHUNK), np.float32)
+    out = np.zeros(
+        (len(ASPECTS), MOST_SIDE_ELEMENTS, 2 * MOST_SIDE_ELEMENTS + COPY_CHUNK), np.float32
+    )
     for kernel, aspect in zip(out, ASPECTS, strict=True):
-        right = near_influence((REACH, REACH), (aspect**-0.5, aspect**0.5), m)
-        kernel[:, REACH : 2 * REACH] = right
-        kernel[:, 1:REACH] = right[:, :0:-1]
+        right = near_influence(
+            (MOST_SIDE_ELEMENTS, MOST_SIDE_ELEMENTS), (aspect**-0.5, aspect**0.5), m
+        )
+        kernel[:, MOST_SIDE_ELEMENTS : 2 * MOST_SIDE_ELEMENTS] = right
+        kernel[:, 1:MOST_SIDE_ELEMENTS] = right[:, :0:-1]
     return out
 
 
@@ -189,8 +194,8 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     for k in np.flatnonzero(joined):
         first[k] = min(first[k], _second(table, slots[k], summits, rows[k]))
     first = np.maximum(first, 1)
-    few = np.pad(STEPS, (0, len(STEPS_JOINED) - len(STEPS)), "edge")
-    steps = np.where(joined[:, None], STEPS_JOINED, few)
+    few = np.pad(PRESSED_NODES, (0, len(PRESSED_NODES_JOINED) - len(PRESSED_NODES)), "edge")
+    steps = np.where(joined[:, None], PRESSED_NODES_JOINED, few)
     wanted = np.minimum(first[:, None] + steps, table.nodes)
     wanted[:, 1:][np.diff(wanted, axis=1) == 0] = 0
     u = np.arange(table.nodes + 1) / table.nodes
@@ -207,7 +212,7 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     kinds, kind = np.unique(np.where(found[:, :, 0] > 0.0, wanted, 0), axis=0, return_inverse=True)
     for group, nodes in enumerate(kinds):
         some, known = np.flatnonzero(kind == group), nodes > 0
-        if np.count_nonzero(known) >= FEWEST:
+        if np.count_nonzero(known) >= FEWEST_PRESSED:
             _join(table, slots[some], nodes[known], found[some][:, known])
 
 
@@ -237,19 +242,19 @@ def _join(table: LawTable, slots: Rows, nodes: Rows, values: Array) -> None:
     smooth[:, :, :2] /= u[:, None] ** 2
     smooth = PchipInterpolator(nodes, smooth, axis=1)(inside)
     table.area[row, inside] = own**2 * smooth[:, :, 0]
-    table.spread[row, inside] = SPREAD
+    table.spread[row, inside] = EXPECTED_ERROR
     if table.bearing is not None:
         table.bearing[row, later] *= values[:, -1:, 7] / table.bearing[row, last]
         table.bearing[row, inside] = own**2 * smooth[:, :, 1]
     if table.centre is not None:
         table.centre[row, inside] = smooth[:, :, 2:]
-    before = np.arange(max(begin - BEFORE, 1), begin)
+    before = np.arange(max(begin - NODES_BEFORE, 1), begin)
     force = np.hstack((table.force[row, before], values[:, :, 0]))
     nodes = np.append(before, nodes)
     u, p = nodes / table.nodes, np.full(row.shape, table.exponent)
     if nodes[0] == 1:
         tip = np.log(force[:, 1:2] / force[:, :1]) / np.log(u[1] / u[0])
-        p = np.where(np.abs(tip - p) > BLUNT, np.clip(tip, 2.0, 2.0 * p - 2.0), p)
+        p = np.where(np.abs(tip - p) > BLUNT_TIP, np.clip(tip, 2.0, 2.0 * p - 2.0), p)
     line, rise = ((force / u**p) @ part.T for part in _natural(tuple(nodes.tolist()), begin))
     table.force[row, inside] = own**p * line
     slope = own ** (p - 2) * (p * line + own * table.nodes * rise)

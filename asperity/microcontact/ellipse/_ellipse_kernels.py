@@ -26,16 +26,16 @@ from surfaces.numerics.lanes import (
 from surfaces.numerics.vectors import absolute, entries, some, where, whole
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
-from ._fit_kernels import FITS, TERMS, move, solve
+from ._fit_kernels import NESTED_FITS, TERMS, move, solve
 from .ellipse_operator import DEGREE
 
-WIDEST, SHARE, CONFINED = 0.5, 0.05, 0.5
+LARGEST_DISPLACEMENT, LARGEST_SECOND_ORDER, LARGEST_CONFINED = 0.5, 0.05, 0.5
 """Limits of trust: displacement of the contour, share of F2, confined share of the contour."""
 
-_AGAIN = 2
+_LATER_STEPS = 2
 """Newton steps at most at a level after the first trusted one: a single one where it is trusted."""
 
-_STILL = 1e-3
+_SMALL_STEP = 1e-3
 """Newton step, in logarithms and angles, that ends the search at a level."""
 
 STATES = 9
@@ -103,7 +103,7 @@ def march_space(rays: int) -> tuple[Any, ...]:
     contours and single numbers; a state, and which lanes have one.
     """
     pose = (25, TERMS, 2 * TERMS, LANES * FIELDS, LANES * FIELDS, 4 * NODES, 4 * NODES, 25, 1)
-    present = (FITS * TERMS, rays, SHAPE, _SINGLE)
+    present = (NESTED_FITS * TERMS, rays, SHAPE, _SINGLE)
     return tuple(tuple(map(groups, counts)) for counts in (pose, present, (STATES, 2)))
 
 
@@ -111,7 +111,7 @@ def march_space(rays: int) -> tuple[Any, ...]:
 def _enter(lane, k, coefs, frames, scales, rays, pose, present):
     """Put profile k into a lane, at its first ellipse."""
     fits, edge, _, single = present
-    for i in range(FITS * TERMS):
+    for i in range(NESTED_FITS * TERMS):
         fits[i * LANES + lane] = coefs[k, i]
     for p in range(rays):
         edge[p * LANES + lane] = frames[k, 2 * rays + p]
@@ -184,7 +184,12 @@ def march_rows(
         x0, y0 = load(pose, _USED + 3), load(pose, _USED + 4)
         hs, hc = sine_cosine(0.5 * load(pose, _USED + 2))
         ts, tc = 2.0 * hs * hc, 1.0 - 2.0 * hs * hs
-        _mixed(fits, FITS, between(middle / shrink - 1.0, splat(0.0), splat(FITS - 1.0)), local)
+        _mixed(
+            fits,
+            NESTED_FITS,
+            between(middle / shrink - 1.0, splat(0.0), splat(NESTED_FITS - 1.0)),
+            local,
+        )
         move(x0, y0, ts, hs / hc, local)
         mean = _values(local, a, b, d, moments, values)
         amplitudes(values, rows, number, own, fields)
@@ -202,13 +207,15 @@ def march_rows(
         scale = math.pi * power * edge_of_one
         force = -punch * mean
         filled = total - free
-        small = (widest <= WIDEST) & (absolute(scale * gain) <= SHARE * force)
-        small = small & (filled <= CONFINED * total)
+        small = (widest <= LARGEST_DISPLACEMENT) & (
+            absolute(scale * gain) <= LARGEST_SECOND_ORDER * force
+        )
+        small = small & (filled <= LARGEST_CONFINED * total)
         solve(system, pose[_STEP * LANES :])
         still = _advance(pose, along, across, a, b, tc, ts)
         known = first >= 0.0
-        enough = where(known, splat(1.0 * _AGAIN), 1.0 * steps) <= rounds
-        stop = alive & ((still < _STILL) | (known & small) | enough)
+        enough = where(known, splat(1.0 * _LATER_STEPS), 1.0 * steps) <= rounds
+        stop = alive & ((still < _SMALL_STEP) | (known & small) | enough)
         for i in range(5):
             store(pose, _USED + i, where(stop, load(pose, _USED + i), load(pose, i)))
         if not some(stop):
@@ -226,7 +233,11 @@ def march_rows(
         store(state, 6, share)
         store(state, 7, x0)
         store(state, 8, y0)
-        trusted = (widest <= WIDEST) & (absolute(share) <= SHARE) & (filled <= CONFINED * total)
+        trusted = (
+            (widest <= LARGEST_DISPLACEMENT)
+            & (absolute(share) <= LARGEST_SECOND_ORDER)
+            & (filled <= LARGEST_CONFINED * total)
+        )
         trusted = trusted & (force > 0.0) & stop
         _keep(shape, trusted, a, b, x0, y0, load(pose, _USED + 2), X)
         first = where(trusted & (first < 0.0), level, first)

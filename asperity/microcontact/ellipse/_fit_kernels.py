@@ -36,7 +36,7 @@ from .ellipse_operator import DEGREE
 TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
 """Number of monomials: a constant, so that the loops unroll."""
 
-FITS = 5
+NESTED_FITS = 5
 """Nested fits of a summit."""
 
 SMALLEST_RATIO = 1 / 40
@@ -143,7 +143,7 @@ def _sample(q, rays, nodes, edge, reach, radii, scale, out):
 
 def fit_space(rays: int, radii: int, points: int) -> tuple[Any, ...]:
     """Working groups of `fit`: samples, their parity classes and powers of the semi-axes."""
-    return groups(rays * radii), groups(4 * points * FITS), groups(2 * (DEGREE + 1))
+    return groups(rays * radii), groups(4 * points * NESTED_FITS), groups(2 * (DEGREE + 1))
 
 
 @inner(fastmath=QUOTIENTS)
@@ -155,7 +155,7 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
     `radii[rings[s]]`. `image[b]` are the rays at (+,+), (-,+), (-,-), (+,-) of ray b in
     the first quadrant, so that the fit falls apart into four parity classes; `matrices[number, c]`
     gives the coefficients of the monomials `members[c, :count[c]]` from the means of class c at the
-    points. Fills the groups `coefs` of x**i y**j, (FITS, monomials).
+    points. Fills the groups `coefs` of x**i y**j, (NESTED_FITS, monomials).
     """
     radii, rings, image, matrices, members, count = rules
     value, part, power = space
@@ -164,12 +164,12 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
     _sample(q, 4 * (image.shape[0] - 1), nodes, edge, reach, radii, scale, value)
     for b in range(image.shape[0]):
         p0, p1, p2, p3 = image[b, 0], image[b, 1], image[b, 2], image[b, 3]
-        for s in range(FITS):
+        for s in range(NESTED_FITS):
             for j in range(per):
                 r = rings[s, j]
                 f0, f1 = load(value, p0 * samples + r), load(value, p1 * samples + r)
                 f2, f3 = load(value, p2 * samples + r), load(value, p3 * samples + r)
-                at, step = (b * per + j) * FITS + s, points * FITS
+                at, step = (b * per + j) * NESTED_FITS + s, points * NESTED_FITS
                 store(part, at, f0 + f1 + f2 + f3)
                 store(part, at + step, f0 - f1 + f2 - f3)
                 store(part, at + 2 * step, f0 - f1 - f2 + f3)
@@ -179,13 +179,13 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
         for k in range(DEGREE + 1):
             store(power, axis * (DEGREE + 1) + k, outer)
             outer *= load(wide, axis)
-    for i in range(FITS * TERMS):
+    for i in range(NESTED_FITS * TERMS):
         store(coefs, i, splat(0.0))
     for c in range(4):
         for k in range(count[c]):
             s0, s1, s2, s3, s4 = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
             for n in range(points):
-                weight, at = matrices[number, c, k, n], (c * points + n) * FITS
+                weight, at = matrices[number, c, k, n], (c * points + n) * NESTED_FITS
                 s0 += weight * load(part, at)
                 s1 += weight * load(part, at + 1)
                 s2 += weight * load(part, at + 2)
@@ -200,8 +200,8 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
 @inner(fastmath=QUOTIENTS)
 def usable(coefs):
     """1 where the fits are finite and the smallest ellipse rises across the ridge, else 0."""
-    fine = load(coefs, (FITS - 1) * TERMS + 5) > 0.0
-    for i in range(FITS * TERMS):
+    fine = load(coefs, (NESTED_FITS - 1) * TERMS + 5) > 0.0
+    for i in range(NESTED_FITS * TERMS):
         fine = fine & (load(coefs, i) < 1e300) & (load(coefs, i) > -1e300)
     return where(fine, splat(1.0), 0.0)
 
@@ -261,7 +261,7 @@ def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales
 @inner(fastmath=QUOTIENTS)
 def _first_ellipse(coefs, depth, m, scales):
     """Logarithms of the semi-axes for the paraboloids in the smallest fits."""
-    o = (FITS - 1) * TERMS
+    o = (NESTED_FITS - 1) * TERMS
     along, across = most(load(coefs, o + 3), splat(1e-300)), most(load(coefs, o + 5), splat(1e-30))
     ratio = most(_POWER * logarithm(along / across), splat(math.log(SMALLEST_RATIO)))
     mean = logarithm(across) + (0.5 / _POWER) * ratio
@@ -279,7 +279,7 @@ def frame_space(rays: int, nodes: int, rules: tuple[Any, ...]) -> tuple[Any, ...
     radii, rings, image = rules[1][:3]
     row = -(-rays // LANES)
     samples = (LANES, row * LANES, row * LANES, row * LANES, -(-rays * nodes // LANES) * LANES)
-    own = (4 * rays, SCALES, 2, 1, -(-FITS * TERMS // LANES) * LANES, 3)
+    own = (4 * rays, SCALES, 2, 1, -(-NESTED_FITS * TERMS // LANES) * LANES, 3)
     fitting = fit_space(rays, radii.size, image.shape[0] * rings.shape[1])
     return tuple(map(groups, samples)), tuple(map(groups, own)), fitting
 

@@ -27,11 +27,11 @@ from .shared_tables import LANES, LOG_RATIO, between, ellipse_tables, fit_rules
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
 
-__all__ = ["NODES", "tabulate"]
+__all__ = ["TABLE_INTERVALS", "tabulate"]
 
 Array = NDArray[np.float64]
 
-NODES = 24
+TABLE_INTERVALS = 24
 """Intervals of a table."""
 
 _TURN = 0.4
@@ -45,7 +45,7 @@ profile go with the first, its lobes with higher ones: with the first two alone 
 rough summits are 2 % too large at equal force (m = 0; 3 to 6 % at m = -0.3), with the second alone
 they carry 1 % too little at equal approach."""
 
-_FIRST = 8
+_FIRST_STEPS = 8
 """Newton steps at the smallest approach; every other one needs a single evaluation."""
 
 _BLOCK = 256
@@ -53,7 +53,7 @@ _BLOCK = 256
 
 _KEPT = threading.local()
 
-_RATIOS = 1536
+_RATIO_POINTS = 1536
 """Axis ratios at which the functional is evaluated."""
 
 
@@ -128,8 +128,8 @@ def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
             (fit.radii, fit.rings, fit.image, fit.matrices, fit.members, fit.count),
         ),
         (
-            _FIRST, m, _fine_rows(tables.rows),
-            (float(fit.logs[1]), first, (last - first) / (_RATIOS - 1), _RATIOS - 1.0),
+            _FIRST_STEPS, m, _fine_rows(tables.rows),
+            (float(fit.logs[1]), first, (last - first) / (_RATIO_POINTS - 1), _RATIO_POINTS - 1.0),
             tables.moments,
         ),
         (u * u, 2.0 * np.log(u / np.append(u[0], u[:-1]))),
@@ -143,15 +143,15 @@ def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
 
 
 def _fine_rows(rows: Array) -> Array:
-    """Tables at `_RATIOS` axis ratios, by local cubics, as `_contour_kernels` reads them."""
+    """Tables at `_RATIO_POINTS` axis ratios, by local cubics, as `_contour_kernels` reads them."""
     from surfaces.numerics.lanes import groups
 
     from ._contour_kernels import FORMS, WIDTH
 
     first, last, _ = LOG_RATIO
-    fine = np.stack([between(rows, place) for place in np.linspace(first, last, _RATIOS)])
+    fine = np.stack([between(rows, place) for place in np.linspace(first, last, _RATIO_POINTS)])
     edge = (WIDTH - FORMS - 1) * LANES
-    out = groups(_RATIOS * WIDTH).reshape(_RATIOS, -1)
+    out = groups(_RATIO_POINTS * WIDTH).reshape(_RATIO_POINTS, -1)
     out[:, :edge] = fine[:, :edge]
     out[:, edge] = fine[:, 0]
     out[:, edge + 1] = fine[:, edge]
@@ -168,13 +168,13 @@ def _workspace(key: tuple[Any, ...], make: Callable[[], tuple[Any, ...]]) -> tup
 
 
 def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = NODES
+    profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = TABLE_INTERVALS
 ) -> LawTable:
     """Law table of a batch of profiles about their optimal ellipses; see `laws.tabulate`."""
     from surfaces.numerics.lanes import packed
 
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
-    from ._fit_kernels import FITS, SCALES, TERMS, fit_rows, frame_space
+    from ._fit_kernels import NESTED_FITS, SCALES, TERMS, fit_rows, frame_space
     from ._table_kernels import table_space, tabulate_rows
 
     n, rays = profiles.phi.shape
@@ -189,7 +189,7 @@ def tabulate(
     flags, centre = np.zeros((n, nodes + 1), np.uint8), np.zeros((n, nodes + 1, 2))
     out = (reach, force, stiffness, area, flags, spread, centre)
     u = levels[0]
-    widths = (4 * rays, FITS * TERMS, SCALES, u.size * STATES, SHAPE_ROW, LANES)
+    widths = (4 * rays, NESTED_FITS * TERMS, SCALES, u.size * STATES, SHAPE_ROW, LANES)
 
     def made() -> tuple[Any, ...]:
         return (

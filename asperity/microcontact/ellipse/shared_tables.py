@@ -238,14 +238,14 @@ class FitRules:
 @lru_cache(maxsize=4)
 def fit_rules(rays: int) -> FitRules:
     """Rules for summits on `rays` rays, a multiple of four, the first along the long axis."""
-    from ._fit_kernels import FITS
+    from ._fit_kernels import NESTED_FITS
 
     if rays % 4:
         raise InputError(f"the rays must be mirror images in four quadrants, got {rays} rays")
-    rings = 2 * np.arange(FITS)[:, None] + np.array(_RINGS)
+    rings = 2 * np.arange(NESTED_FITS)[:, None] + np.array(_RINGS)
     root = np.sqrt(SHRINK)
     used, rings = np.unique(rings, return_inverse=True)
-    rings = rings.reshape(FITS, len(_RINGS))
+    rings = rings.reshape(NESTED_FITS, len(_RINGS))
     base = np.arange(rays // 4 + 1)
     image = np.stack([base, rays // 2 - base, rays // 2 + base, rays - base], axis=1) % rays
     share = np.where((base == 0) | (base == rays // 4), 0.5, 1.0)
@@ -274,5 +274,5 @@ def fit_rules(rays: int) -> FitRules:
         matrices=matrices,
         members=members,
         count=count,
-        logs=np.log(SHRINK) * np.arange(FITS),
+        logs=np.log(SHRINK) * np.arange(NESTED_FITS),
     )

@@ -33,13 +33,13 @@ ANGLES = 192
 _WAVES = ANGLES // 2 + 1
 """Harmonics that they tell apart."""
 
-_RADII = 14
+_FIT_RADII = 14
 """Radii at which f is fitted."""
 
 _POWERS = np.arange(9)
 """Powers of rho for what the polynomial leaves."""
 
-_CUT = 1e-7
+_SINGULAR_CUT = 1e-7
 """Relative singular value below which the radial fit takes no notice."""
 
 _REGION = 1.08
@@ -108,7 +108,7 @@ class Edge:
 @lru_cache(maxsize=1)
 def fit_points() -> tuple[Array, Array, Array, Array]:
     """Scaled places (xi, eta) of the samples, the monomials there, and their pseudo-inverse."""
-    rho = _REGION * np.sqrt((np.arange(_RADII) + 0.5) / _RADII)
+    rho = _REGION * np.sqrt((np.arange(_FIT_RADII) + 0.5) / _FIT_RADII)
     t = 2 * np.pi * np.arange(ANGLES) / ANGLES
     xi: Array = (rho[:, None] * np.cos(t)).ravel()
     eta: Array = (rho[:, None] * np.sin(t)).ravel()
@@ -120,11 +120,11 @@ def fit_points() -> tuple[Array, Array, Array, Array]:
 @lru_cache(maxsize=1)
 def _radial_fit() -> tuple[Array, Array, Array]:
     """Powers at the sampled radii; pseudo-inverses of all, and of all but the constant."""
-    rho = _REGION * np.sqrt((np.arange(_RADII) + 0.5) / _RADII)
+    rho = _REGION * np.sqrt((np.arange(_FIT_RADII) + 0.5) / _FIT_RADII)
     powers = rho[:, None] ** _POWERS
-    bare = np.zeros((_POWERS.size, _RADII))
-    bare[1:] = _inverse(powers[:, 1:], _CUT)
-    return powers, _inverse(powers, _CUT), bare
+    bare = np.zeros((_POWERS.size, _FIT_RADII))
+    bare[1:] = _inverse(powers[:, 1:], _SINGULAR_CUT)
+    return powers, _inverse(powers, _SINGULAR_CUT), bare
 
 
 def _inverse(matrix: Array, cut: float) -> Array:
@@ -135,7 +135,7 @@ def fitted(samples: Array) -> Gap:
     """Representation of the values of f at `fit_points`."""
     _, _, matrix, inverse = fit_points()
     polynomial = inverse @ samples
-    left = (samples - matrix @ polynomial).reshape(_RADII, ANGLES)
+    left = (samples - matrix @ polynomial).reshape(_FIT_RADII, ANGLES)
     powers, whole, bare = _radial_fit()
     waves = np.fft.rfft(left, axis=1)
     rest = (bare @ waves).T

@@ -14,27 +14,27 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 from .ellipse_expansion import ANGLES, Edge, Gap, edge_of, fit_points, fitted
 from .ellipse_series import Expansion, expand
 
-__all__ = ["SHARP", "Ellipse", "Search", "Solved"]
+__all__ = ["SHARP_TIP", "Ellipse", "Search", "Solved"]
 
 Array = NDArray[np.float64]
 
-SHARP = 0.005
+SHARP_TIP = 0.005
 """Misfit of the polynomial over the approach above which a tip is sharp: its ellipse stays about
 the summit, since powers of the distance from there describe what the polynomial leaves."""
 
-_NEWTON = 30
+_MAX_NEWTON_STEPS = 30
 """Newton steps towards the best ellipse."""
 
-_STILL = 1e-8
+_SMALL_STEP = 1e-8
 """Newton step at which it has been found."""
 
-_NEAR = 0.05
+_TEACHING_STEP = 0.05
 """Newton step below which the steps teach the inverse of what is left out in them."""
 
-_STEP = 1e-3
+_APPROACH_STEP = 1e-3
 """Logarithmic step of the approach for the stiffness."""
 
-_LARGEST, _SMALLEST, _KEPT = 0.3, 0.1, 4
+_LARGEST_STEP, _LEAST_SQUARE, _KEPT_ELLIPSES = 0.3, 0.1, 4
 """Largest step over a mode; least square of a contour; ellipses on which f is kept."""
 
 
@@ -102,7 +102,7 @@ class Search:
         self, profile: PowerSumProfile | PolarProfile, m: float, approach: float, radius: float
     ) -> None:
         self._profile, self._m = profile, m
-        self._gap = lru_cache(maxsize=_KEPT)(self._fitted)
+        self._gap = lru_cache(maxsize=_KEPT_ELLIPSES)(self._fitted)
         self.first, free = self._first(radius, approach)
         self._modes = _MODES if free else _MODES[:3]
         self._inverse = np.eye(len(self._modes))
@@ -113,15 +113,15 @@ class Search:
         None if it was not found, or is more slender than the tables reach.
         """
         best, step = start, self._newton(start, approach)
-        for _ in range(_NEWTON):
+        for _ in range(_MAX_NEWTON_STEPS):
             if step is None:
                 return None
-            if np.abs(step).max() < _STILL:
+            if np.abs(step).max() < _SMALL_STEP:
                 break
-            move = np.clip(self._inverse @ step, -_LARGEST, _LARGEST)
+            move = np.clip(self._inverse @ step, -_LARGEST_STEP, _LARGEST_STEP)
             best = best.moved(move)
             following = self._newton(best, approach)
-            if following is not None and np.abs(step).max() < _NEAR:
+            if following is not None and np.abs(step).max() < _TEACHING_STEP:
                 along = self._inverse @ (step - following)
                 share = move @ along
                 if share > 0.1 * (move @ move):
@@ -135,8 +135,10 @@ class Search:
     def solved(self, best: Ellipse, approach: float) -> Solved:
         """Expansion about the ellipse of the contour that the one about `best` gives."""
         first = self._edge(best, approach)
-        radius = np.sqrt(np.maximum(expand(first).squared, _SMALLEST))
-        moved = best.moved(np.clip(self._over_modes(first, radius - 1), -_LARGEST, _LARGEST))
+        radius = np.sqrt(np.maximum(expand(first).squared, _LEAST_SQUARE))
+        moved = best.moved(
+            np.clip(self._over_modes(first, radius - 1), -_LARGEST_STEP, _LARGEST_STEP)
+        )
         edge = self._edge(moved, approach)
         widest = float(np.abs(first.shift).max())
         return Solved(moved, self._gap(moved), expand(edge), widest)
@@ -144,13 +146,13 @@ class Search:
     def power(self, best: Ellipse, approach: float) -> float:
         """d ln F / d ln d, by difference."""
         forces = []
-        for h in (-_STEP, _STEP):
+        for h in (-_APPROACH_STEP, _APPROACH_STEP):
             near = self.optimum(best, approach * np.exp(h))
             forces.append(
                 np.nan if near is None else self.solved(near, approach * np.exp(h)).expansion.force
             )
         with np.errstate(invalid="ignore", divide="ignore"):
-            return float(np.log(forces[1] / forces[0]) / (2 * _STEP))
+            return float(np.log(forces[1] / forces[0]) / (2 * _APPROACH_STEP))
 
     def _newton(self, ellipse: Ellipse, approach: float) -> Array | None:
         """Step over the modes; None where the ellipse bears nothing."""
@@ -178,8 +180,8 @@ class Search:
         gap = self._gap(circle)
         c = gap.polynomial
         values, axes = np.linalg.eigh([[c[3], 0.5 * c[4]], [0.5 * c[4], c[5]]])
-        if gap.misfit > SHARP * approach or not values[1] > 0:
-            return circle, gap.misfit <= SHARP * approach
+        if gap.misfit > SHARP_TIP * approach or not values[1] > 0:
+            return circle, gap.misfit <= SHARP_TIP * approach
         root = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.315
         turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
         return Ellipse(radius / root, radius * root, turn, 0.0, 0.0), True

@@ -12,7 +12,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ellipse.ellipse_operator import monomials, pressure_operator
 
 from .ellipse_expansion import DEGREE
-from .ellipse_search import SHARP, Ellipse
+from .ellipse_search import SHARP_TIP, Ellipse
 
 __all__ = ["EllipseState"]
 
@@ -77,7 +77,7 @@ class EllipseState:
     @property
     def sharp(self) -> bool:
         """Whether f has a tip or edges that no polynomial describes."""
-        return self.misfit > SHARP
+        return self.misfit > SHARP_TIP
 
     @property
     def doubtful(self) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
-from surfaces.errors import LARGEST, as_numbers, shown
+from surfaces.errors import LARGEST_NUMBER, as_numbers, shown
 
 from .basis import corner_rule
 
@@ -118,7 +118,7 @@ def flat_punch(
     if kinks.size:
         phi, weight = (part.ravel() for part in corner_rule(kinks, _PANEL))
     a = function(phi)
-    if not np.all((a >= 1 / LARGEST) & (a <= LARGEST)):
+    if not np.all((a >= 1 / LARGEST_NUMBER) & (a <= LARGEST_NUMBER)):
         raise InputError("the planform must contain the origin: a(phi) > 0 at every angle")
     m = material.m
     moment = float(weight @ a ** (1 - m))

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 __all__ = ["correct", "pressed_slots"]
 
-EARLY = 5
+LEAST_EXPANSION_NODE = 5
 """Node to which the expansion of a smooth summit holds at least."""
 
-LATER = np.array([0, 1, 3, 6])
+NODES_BEYOND = np.array([0, 1, 3, 6])
 """Nodes of a table beyond the expansion at which the share is looked at."""
 
 
@@ -37,14 +37,14 @@ def pressed_slots(laws: LawRows) -> NDArray[np.int64]:
     beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
     slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & summits.valid[rows])
     first = beyond[slots].argmax(axis=1)
-    nodes = np.minimum(first[:, None] + LATER, table.nodes)
+    nodes = np.minimum(first[:, None] + NODES_BEYOND, table.nodes)
     depth = table.reach[slots, None] * (nodes / table.nodes) ** 2
     top = summits.height[rows[slots]]
     near = top - depth[:, 0] > shares.lowest
     flat = (top[:, None] - depth)[near]
     slots, depth, first = slots[near], depth[near], first[near]
     steep, shallow = summits.curvature[rows[slots]].T
-    rough = (steep > bounds.ridge * shallow) | (first <= EARLY)
+    rough = (steep > bounds.ridge * shallow) | (first <= LEAST_EXPANSION_NODE)
     share = np.where(rough, bounds.ridge_share, bounds.round_share)[:, None]
     none = summits.kinds[rows[slots], None] != SUMMIT
     share = np.where(none, bounds.plateau_share, share)

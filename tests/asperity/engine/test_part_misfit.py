@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from strategies import broad
@@ -34,9 +36,9 @@ def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
     plan = asperity.make_plan(hm, BODY, pressures=loads)
     run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
     shares = _load_shares(run, 4)
-    floor, found = np.outer(part_misfit.FLOOR, part_misfit._fewness(shares)), {}
+    floor, found = np.outer(part_misfit.FITTED.floor, part_misfit._fewness(shares)), {}
     assert (floor[:, 0] > floor[:, -1]).all()
-    between = 0.5 * (floor[:, :1] + floor[:, -1:]) / part_misfit.ENOUGH
+    between = 0.5 * (floor[:, :1] + floor[:, -1:]) / part_misfit.FITTED.enough
     scene = hm, plan, run.curve, np.arange(4), shares, between
     asked: list[np.ndarray] = []
     for otherwise in (asked.append, None):
@@ -53,12 +55,12 @@ def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
 @pytest.mark.parametrize("allowed, solved", [(1.35, 4), (1.0, 8)])
 def test_no_more_parts_are_solved_than_the_bounds_need(allowed, solved, monkeypatch):
     """Of 64 that carry alike four at least, with bounds of the floor, and no more than eight."""
-    monkeypatch.setattr(part_misfit, "LONG", 1.0)
+    monkeypatch.setattr(part_misfit, "FITTED", replace(part_misfit.FITTED, long_waves=1.0))
     hm = broad((512, 512))
     loads = default_pressures(hm, BODY, 4)
     plan = asperity.make_plan(hm, BODY, pressures=loads, scales="all")
     run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
-    shares, floor = np.full((64, 4), 1 / 64), np.array(part_misfit.FLOOR)[:, None]
+    shares, floor = np.full((64, 4), 1 / 64), np.array(part_misfit.FITTED.floor)[:, None]
     judged = Counted()
     scene = hm, plan, run.curve, np.arange(4), shares, allowed * floor, None
     bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
@@ -87,5 +89,5 @@ def test_fine_waves_that_change_much_of_the_load_leave_more_open():
     scene = hm, plan, model, np.arange(4), shares, np.ones((2, 1)), None
     assert part_misfit.long_waves(hm, plan, 4) is not None
     bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
-    load, area = part_misfit.FLOOR
+    load, area = part_misfit.FITTED.floor
     np.testing.assert_allclose(bounds.T, [[np.hypot(load, 0.05), area]] * 4)

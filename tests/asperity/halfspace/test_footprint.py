@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.special import gammaincc, i0e, j0
 
 from asperity.halfspace.footprint import (
-    FLOOR,
+    OUTSIDE_SHARE,
     Footprints,
     pair_table,
     smooth_part,
@@ -50,13 +50,13 @@ def test_distant_footprints_are_points(m):
 def test_self_compliance_of_the_footprint_is_that_of_the_contact(m):
     f, k = Footprints(3.0, m), 0.7
     own = free_interaction(f, 0.0, 2 * f.variance(k))
-    assert own == pytest.approx(1 / ((1 + FLOOR) * k), rel=1e-12)
+    assert own == pytest.approx(1 / ((1 + OUTSIDE_SHARE) * k), rel=1e-12)
 
 
 @pytest.mark.parametrize("m", EXPONENTS)
 def test_footprint_has_nearly_the_second_moment_of_the_punch(m):
     """Not fitted: the self-compliance alone gives the punch's a^2/(3+m) per axis to 10 %."""
-    k = 2 / (1 + m) / (1 + FLOOR)
+    k = 2 / (1 + m) / (1 + OUTSIDE_SHARE)
     assert Footprints(1.0, m).variance(k) == pytest.approx(1 / (3 + m), rel=0.1)
 
 

@@ -14,7 +14,7 @@ from asperity.contacts.run import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
 from asperity.interaction import candidates as module
 from asperity.interaction import population as population_module
-from asperity.interaction.candidates import SKIN
+from asperity.interaction.candidates import PAIR_LIST_SKIN
 from asperity.interaction.ewald import cells
 from asperity.model.decomposition import Decomposition
 
@@ -28,7 +28,7 @@ def light():
     size = (96.0, 96.0)
     hm = surfaces.self_affine((96, 96), size, hurst=0.8, rms_slope=0.1, cutoff=3.0, seed=2)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cells, "PAIRS", 0)
+        patch.setattr(cells, "CHEAP_PAIRS", 0)
         run = solve_contacts(hm, BODY, pressures=3e-3 * pressure_scale(hm, BODY))
     population = run.decomposition.population
     last = run.points[0].state.continuation
@@ -48,7 +48,7 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     values = values.copy()
     values[0] *= 3.0
     centre, touches = placed(population, listing, values)
-    rows, skin = listing.index[touches], SKIN * listing.problem.plan.eta
+    rows, skin = listing.index[touches], PAIR_LIST_SKIN * listing.problem.plan.eta
     found = listing.recentred(population, listing.index, values, 1e-3)
     for new, place in zip(centre, found.offset, strict=True):
         np.testing.assert_allclose(place[rows], new, rtol=1e-12)
@@ -58,7 +58,7 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     elsewhere[:, lightest] = found.offset[:, lightest] + 2.0 * skin
     leaping = replace(listing, listed=elsewhere)
     assert leaping.recentred(population, listing.index, values, 1e-3) is None  # among few it counts
-    monkeypatch.setattr(module, "MANY", 1)
+    monkeypatch.setattr(module, "MANY_CONTACTS", 1)
     found = leaping.recentred(population, listing.index, values, 1e-3)
     np.testing.assert_allclose(found.offset[:, lightest], elsewhere[:, lightest] - skin)
     elsewhere = listing.listed + 2.0 * skin
@@ -87,8 +87,8 @@ def test_more_contacts_may_stand_a_little_astray_under_a_wider_tolerance(light, 
     values = values.copy()
     values[0] *= 2.0
     assert listing.recentred(population, listing.index, values, 1.0) is not listing
-    monkeypatch.setattr(module, "STRAY", 1.0)
-    monkeypatch.setattr(module, "MANY", 1)
+    monkeypatch.setattr(module, "LARGEST_DISTANCE", 1.0)
+    monkeypatch.setattr(module, "MANY_CONTACTS", 1)
     assert listing.recentred(population, listing.index, values, 1e-3) is not listing
     assert listing.recentred(population, listing.index, values, 1.0) is listing
 
@@ -125,7 +125,7 @@ def test_a_list_that_does_not_last_goes_before_the_next_is_made(monkeypatch):
         return made
 
     monkeypatch.setattr(module.CandidateList, "of", classmethod(listed))
-    monkeypatch.setattr(population_module, "LARGE", 0)
+    monkeypatch.setattr(population_module, "LARGE_LIST", 0)
     size = (256.0, 320.0)
     hm = surfaces.self_affine(
         (256, 320), size, hurst=0.8, rms_slope=0.1, rolloff=20.0, cutoff=5.0, seed=3

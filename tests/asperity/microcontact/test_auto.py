@@ -29,10 +29,10 @@ def test_summits_that_agree_keep_the_ellipse_law(profiles):
 
 
 def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles, monkeypatch):
-    monkeypatch.setattr(auto, "GROSS", 1.0)
+    monkeypatch.setattr(auto, "GROSS_DIFFERENCE", 1.0)
     table = auto.tabulate(profiles, STEEL)
     own = ellipse.tabulate(profiles, STEEL)
-    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.NODES)
+    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.TABLE_INTERVALS)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size
     np.testing.assert_array_equal(table.force[taken], other.force[taken])
@@ -67,7 +67,7 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
 
     monkeypatch.setattr(ellipse, "tabulate", without)
     table = auto.tabulate(profiles, STEEL)
-    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.NODES)
+    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.TABLE_INTERVALS)
     assert (table.reach[lost] > 0).all()
     np.testing.assert_array_equal(table.force[lost], other.force[lost])
     assert (table.spread[lost] == 1.0).all()
@@ -76,8 +76,8 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
 def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_most(
     profiles, monkeypatch
 ):
-    monkeypatch.setattr(auto, "GROSS", 1.0)
-    tabulated, nodes = auto.ritz.tabulate, ellipse.NODES
+    monkeypatch.setattr(auto, "GROSS_DIFFERENCE", 1.0)
+    tabulated, nodes = auto.ritz.tabulate, ellipse.TABLE_INTERVALS
 
     def pulled(*args, **options):
         table = tabulated(*args, **options)

@@ -63,7 +63,7 @@ def test_what_load_points_read_is_kept():
 
 def test_laws_on_disk_are_those_in_memory(monkeypatch):
     """Kept columns and those of solvers, which are read in parts, in any order."""
-    monkeypatch.setattr(law_table, "MAPPED", 30)
+    monkeypatch.setattr(law_table, "MAPPED_LAWS", 30)
     *_, whole, _, _ = tables(500)
     whole.centre = np.random.default_rng(1).normal(size=(*whole.force.shape, 2))
     whole.spread[:] = whole.centre[..., 0]

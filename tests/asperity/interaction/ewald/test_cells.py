@@ -56,7 +56,7 @@ def test_inverse_is_that_of_forces_which_share_a_displacement_in_each_cell(m, bo
 def test_solves_the_same_in_fewer_products(held, boundary, monkeypatch):
     found = []
     for few in (MANY, MANY + 1):
-        monkeypatch.setattr(by_cells, "FEWEST", few)
+        monkeypatch.setattr(by_cells, "FEWEST_POINTS", few)
         matrix = tangent(MANY, 0.0, boundary)
         right = 1.0 + np.sin(3 * np.arange(len(matrix)))
         start = 1 / matrix.compliance if held else None

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import dense_matrix, periodic_interaction, self_image
 
-from asperity.halfspace.footprint import FLOOR, Footprints
-from asperity.interaction.ewald.cells import PAIRS, RUNG
+from asperity.halfspace.footprint import OUTSIDE_SHARE, Footprints
+from asperity.interaction.ewald.cells import CHEAP_PAIRS, CUT_RATIO
 from asperity.interaction.ewald.mesh import Mesh
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
@@ -35,7 +35,7 @@ def tangent_matrices(y, x, k, m, boundary):
     fast = np.array([tangent(e) for e in np.eye(n)])
     v = f.variance(k)
     exact = dense_matrix(y[plan.order], x[plan.order], v, CELL, boundary, f)
-    exact[np.diag_indices(n)] += FLOOR / (1 + FLOOR) / k
+    exact[np.diag_indices(n)] += OUTSIDE_SHARE / (1 + OUTSIDE_SHARE) / k
     scale = np.sqrt(k)
     return fast * scale * scale[:, None], exact * scale * scale[:, None]
 
@@ -46,8 +46,10 @@ def tangent_matrices(y, x, k, m, boundary):
 def test_tangent_is_positive_definite_for_overlapping_discs(m, boundary, filling):
     y, x, k = scene(110, m, 3, filling)
     fast, exact = tangent_matrices(y, x, k, m, boundary)
-    assert np.linalg.eigvalsh(exact)[0] >= FLOOR / (1 + FLOOR) * (1 - 1e-6)
-    assert np.linalg.eigvalsh(0.5 * (fast + fast.T))[0] >= 0.98 * FLOOR / (1 + FLOOR)
+    assert np.linalg.eigvalsh(exact)[0] >= OUTSIDE_SHARE / (1 + OUTSIDE_SHARE) * (1 - 1e-6)
+    assert np.linalg.eigvalsh(0.5 * (fast + fast.T))[0] >= 0.98 * OUTSIDE_SHARE / (
+        1 + OUTSIDE_SHARE
+    )
     assert np.abs(fast - exact).max() < 5e-3
     assert np.abs(fast - fast.T).max() < 1e-6
 
@@ -58,7 +60,7 @@ def test_tangent_is_positive_definite_for_overlapping_discs(m, boundary, filling
 def test_products_of_matrices_are_the_transforms(size, periodic, precision, monkeypatch):
     short = Mesh(Footprints(2.0, 0.3), size, periodic, 1.7, precision)
     monkeypatch.setattr("asperity.interaction.ewald.mesh._lengths", lambda *_: short.shape)
-    monkeypatch.setattr("asperity.interaction.ewald.mesh.SHORT", 0)
+    monkeypatch.setattr("asperity.interaction.ewald.mesh.MATRIX_NODES", 0)
     transformed = Mesh(Footprints(2.0, 0.3), size, periodic, 1.7, precision)
     assert short.waves and not transformed.waves
     masses = np.random.default_rng(0).normal(size=(2, *short.shape)).astype(precision)
@@ -76,8 +78,8 @@ def test_plans_of_one_cell_share_their_mesh(unit):
         plans.append(Interaction(y, x, (unit, unit), "periodic", Footprints(1.0)))
     reach = np.array([plan.eta * plan.cut for plan in plans]) / unit
     assert len({id(plan.mesh) for plan in plans}) == len(set(reach)) < 3
-    wanted = np.sqrt(PAIRS / np.pi) / np.array([180, 200, 220])
-    assert (np.abs(np.log(reach / wanted)) <= 0.5 * np.log(RUNG) + 1e-12).all()
+    wanted = np.sqrt(CHEAP_PAIRS / np.pi) / np.array([180, 200, 220])
+    assert (np.abs(np.log(reach / wanted)) <= 0.5 * np.log(CUT_RATIO) + 1e-12).all()
 
 
 def test_shared_cut_offs_stay_above_the_widest_footprint():

@@ -10,7 +10,7 @@ from oracles import HertzTable
 
 from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
-from asperity.interaction.newton.laws import FILLED, STIFFEST, Laws
+from asperity.interaction.newton.laws import FILLED_SHARE, LARGEST_STIFFNESS, Laws
 from asperity.microcontact.law_table import LawTable
 
 EXPONENTS = (-0.3, 0.0, 0.5)
@@ -28,7 +28,7 @@ def test_hertz_and_filled_basin_are_reproduced(m):
         np.testing.assert_allclose(law.stiffness, stiffness, rtol=1e-7)
         np.testing.assert_allclose(law.area, area, rtol=1e-7)
         assert (
-            laws.filled(law) == (area > FILLED * np.pi * (1 + m) * table.radius * table.reach)
+            laws.filled(law) == (area > FILLED_SHARE * np.pi * (1 + m) * table.radius * table.reach)
         ).all()
 
 
@@ -117,7 +117,7 @@ def test_a_broken_table_is_mended_into_a_growing_law():
     for d in np.linspace(0.01, 1.5, 50):
         law = laws(np.full(20, d))
         assert (law.stiffness > 0).all() and (law.force > 0).all()
-    cap = STIFFEST * 2 * np.sqrt(area.max(axis=1) / np.pi)
+    cap = LARGEST_STIFFNESS * 2 * np.sqrt(area.max(axis=1) / np.pi)
     assert (laws(np.full(20, 2.0)).stiffness <= cap * (1 + 1e-9)).all()
 
 

@@ -209,7 +209,7 @@ def test_tables_keep_what_the_expansion_describes(rough):
         kept = int(beyond[slot].argmax()) - 1 if slot in slots else table.nodes + 1
         for name, values in before.items():
             np.testing.assert_array_equal(getattr(table, name)[slot, :kept], values[slot, :kept])
-    new = table.spread[slots] == press.SPREAD
+    new = table.spread[slots] == press.EXPECTED_ERROR
     assert new[:, -1].all()
     assert (table.force[slots] > 0)[:, 1:].all()
     assert (np.diff(table.force[slots], axis=1) > 0).all()

@@ -96,7 +96,7 @@ def test_nested_fits_find_a_polynomial():
     r = edge[:, None] * np.linspace(0, 1, nodes)
     x, y = direction[0, :, None], direction[1, :, None]
     q = sum(c * x**i * y**j * r ** (i + j - 2) for c, i, j in zip(coefs, *POWERS, strict=True) if c)
-    out = np.zeros(_fit_kernels.FITS * POWERS.shape[1] * LANES)
+    out = np.zeros(_fit_kernels.NESTED_FITS * POWERS.shape[1] * LANES)
     fitting = (
         rules.radii, rules.rings, rules.image, rules.matrices, rules.members, rules.count
     )  # fmt: skip
@@ -105,7 +105,7 @@ def test_nested_fits_find_a_polynomial():
         lanes(q), nodes, lanes(edge), 2.0, lanes(reach), lanes(1 / wide), fitting, number, out,
         space,
     )  # fmt: skip
-    found = out.reshape(_fit_kernels.FITS, -1, LANES)[..., 6]
+    found = out.reshape(_fit_kernels.NESTED_FITS, -1, LANES)[..., 6]
     length = 0.9
     expected = coefs * length**degree / 2.0
     np.testing.assert_allclose(found, np.tile(expected, (len(found), 1)), atol=1e-7)
