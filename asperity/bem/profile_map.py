@@ -79,10 +79,8 @@ def section_box(profile: Profile, approach: float) -> tuple[float, float, float,
     """
     phi = np.linspace(0.0, 2.0 * np.pi, _SECTION_RAYS, endpoint=False)
     radius = getattr(profile, "radius", np.inf)
-    low, high = (
-        np.zeros(_SECTION_RAYS),
-        np.full(_SECTION_RAYS, 1e-30 if not np.isfinite(radius) else radius),
-    )
+    low = np.zeros(_SECTION_RAYS)
+    high = np.full(_SECTION_RAYS, radius if np.isfinite(radius) else 1e-30)
     for _ in range(400):
         short = gap(profile, high, phi) < approach
         if not short.any():

@@ -263,9 +263,8 @@ def _kernel(
     q[0, 0] = np.inf if wrap else q[0, 1]
     evened = np.sinc(waves / lines) ** 2
     symbol = body.symbol * q ** (body.m - 1) * np.multiply.outer(evened, evened)
-    value = np.fft.ifft2(symbol).real[::WAVES_PER_CELL, ::WAVES_PER_CELL] * (
-        len(waves) ** 2 / math.prod(extent)
-    )
+    value = np.fft.ifft2(symbol).real[::WAVES_PER_CELL, ::WAVES_PER_CELL]
+    value *= len(waves) ** 2 / math.prod(extent)
     row, column = np.divmod(np.arange(count**2), count)
     apart = (np.subtract.outer(place, place) % lines for place in (row, column))
     return np.asarray(value[tuple(apart)])

@@ -18,12 +18,12 @@ from . import _mesh_kernels, _near_kernels, _pair_kernels
 from .cells import TwoLevelPreconditioner, chunks, long_enough, near_pairs, run, split_length, total
 from .mesh import Mesh, SmoothField, mesh_of
 
-__all__ = ["LARGEST_VARIANCE", "Field", "Interaction"]
+__all__ = ["VARIANCE_CAP", "Field", "Interaction"]
 
 CUT_OVER_SPLIT_LENGTH = 2.0
 """Cut-off of the near pairs over the split length eta."""
 
-LARGEST_VARIANCE = 0.35
+VARIANCE_CAP = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
 
@@ -206,22 +206,12 @@ class Interaction:
         growth = np.zeros(n) if growth is None else growth
         dipole = np.empty((n, 2))
         _pair_kernels.in_split_lengths(
-            variance,
-            growth,
-            moment,
-            size,
-            skew,
-            LARGEST_VARIANCE,
-            self.eta,
-            m,
-            record,
-            wide,
-            dipole,
+            variance, growth, moment, size, skew, VARIANCE_CAP, self.eta, m, record, wide, dipole
         )
         found = Field(np.empty(n), np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n))
 
         def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
-            place = self.y, self.x, force, m, LARGEST_VARIANCE, dipole, self.mesh.per_step
+            place = self.y, self.x, force, m, VARIANCE_CAP, dipole, self.mesh.per_step
             _mesh_kernels.deposit(np.array([0, n]), *place, self.masses, self.aside)
             return self.mesh.convolve(self.masses), self.mesh_aside.convolve(self.aside)
 
@@ -233,7 +223,7 @@ class Interaction:
                 wide,
                 shape,
                 dipole,
-                LARGEST_VARIANCE,
+                VARIANCE_CAP,
                 self.ptr,
                 self.col,
                 self.pair,
@@ -251,7 +241,7 @@ class Interaction:
                 self.x,
                 force,
                 m,
-                LARGEST_VARIANCE,
+                VARIANCE_CAP,
                 self.own,
                 self.mesh.per_step,
                 self.scales,

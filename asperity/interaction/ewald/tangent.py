@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from . import _mesh_kernels, _near_kernels
 from .cells import run, total
-from .operator import BEADS, LARGEST_VARIANCE, Interaction
+from .operator import BEADS, VARIANCE_CAP, Interaction
 
 __all__ = ["Tangent"]
 
@@ -49,7 +49,7 @@ class Tangent:
             np.empty(0) if extra is None else extra,
             (factor / plan.eta**body.power, exponent),
             plan.own,
-            LARGEST_VARIANCE,
+            VARIANCE_CAP,
             plan.scale,
             size,
             skew,
@@ -79,7 +79,7 @@ class Tangent:
                 plan.y,
                 plan.x,
                 variance,
-                LARGEST_VARIANCE,
+                VARIANCE_CAP,
                 plan.tangent_mesh.per_step,
                 self.place,
                 self.weight,
@@ -93,7 +93,7 @@ class Tangent:
                 single,
                 skewed,
                 parts,
-                LARGEST_VARIANCE,
+                VARIANCE_CAP,
                 plan.shape,
                 plan.far,
                 BEADS,
