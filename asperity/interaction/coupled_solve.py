@@ -166,7 +166,8 @@ def start_of(
         growth, spare = max(1.0, pressure / last.points[-1].pressure), FIELD_GROWTH_OF_LOAD
     rise = last.rise(separation, values)
     if listed is not None:
-        lacks = listed.lacks(system, last.field, separation + rise, growth)
+        rounded = system.elongation is not None and listed.problem.elongation is None
+        lacks = rounded or listed.lacks(system, last.field, separation + rise, growth)
         listed = None if lacks else listed.recentred(system, rows, values, tolerance)
     return Start(rows, values, growth, spare, rise, listed)
 

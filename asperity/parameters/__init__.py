@@ -40,7 +40,10 @@ class ContactShift:
     Attributes
     ----------
     largest
-        Bound of the shift over the contact radius [-]: farther off the paraboloid is no guide.
+        Bound of the shift over the contact radius [-]: farther off the paraboloid is no guide, and
+        contacts that push each other aside have several states. With 0.7, 14 of 70 maps had loads
+        that hung on the path by more than a tenth of the stated error, up to 1.25 of it; with 0.5,
+        8 of 80, up to 0.34, for a load error of 1.13 in place of 1.11 % (rms, 74 judged maps).
     growth
         Growth of the contact area [-] with the square of 1 + m times the shift over the contact
         radius, at equal force, beside summits that are no paraboloid up to the contour (boundary
@@ -49,7 +52,7 @@ class ContactShift:
         This square [-] beyond which the area does not grow further.
     """
 
-    largest: float = 0.7
+    largest: float = 0.5
     growth: float = 1.5
     widest: float = 0.14
 

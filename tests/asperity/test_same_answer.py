@@ -98,6 +98,23 @@ def test_long_contacts_do_not_hang_on_the_near_pairs_listed(monkeypatch):
     np.testing.assert_allclose(few.contact_area, many.contact_area, rtol=0.01)
 
 
+def test_crowded_long_contacts():
+    """Contacts that push each other aside, on summits of a lay: one load fell back on round
+    footprints, which heavier loads took over, and differed by 3 % from the same load alone."""
+    hm = surfaces.self_affine(
+        (192, 256),
+        (192.0, 256.0),
+        hurst=0.8716,
+        rms_slope=0.1,
+        anisotropy=4.0,
+        rolloff=30.0,
+        seed=9001,
+    )
+    loads = np.array([5e-4, 1.3e-3, 3e-3, 1e-2]) * pressure_scale(hm, BODY)
+    curve, load, _ = asked_apart(hm, loads)
+    assert (load < 0.1 * curve.error_estimate).all()
+
+
 def test_a_lattice_of_long_contacts_answers_as_one_cell_of_it():
     """Footprints too wide for the short side of a cell: alone it carried 24 % less than sixteen."""
     y, x = (np.arange(n) + 0.5 for n in (32, 128))

@@ -70,13 +70,14 @@ def conjugate_gradients(
         if held:
             goal = max(goal, tolerance**2 * aim(image, *system)[0])
     error, mean, product = aim(residual, *system)
+    first = count
     while error > goal and count < limit:
         taken, after = _newton_kernels.advance(
             product, direction, matrix(direction), solution, residual, *system
         )
         if not taken:
             # pairs of elongated footprints are approximate, and the matrix with them
-            solution = solution if solution.any() else direction
+            solution = solution + direction if count == first else solution
             break
         (error, mean, product), count = after, count + 1
     return Solved(solution, residual, mean, count)

@@ -149,6 +149,13 @@ def test_conjugate_gradients_do_not_run_away_where_the_matrix_is_nearly_singular
     assert 0.0 < np.abs(solved.solution).max() <= 3.0 * max(right)
 
 
+def test_conjugate_gradients_go_on_from_a_start_of_rounding():
+    """Where nothing resists, the first direction is a step: that of the start is none."""
+    start = 1e-18 * np.array([1.0, -2.0, 1.0])
+    solved = conjugate_gradients(Thin(), np.array([0.0, 0.0, 1.0]), tolerance=1e-6, start=start)
+    assert np.abs(solved.solution).max() > 0.1
+
+
 def test_conjugate_gradients_hold_the_sum():
     """T x + c = r with a given sum of x, from any start that has it."""
     problem = make(200)
