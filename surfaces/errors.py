@@ -38,8 +38,9 @@ __all__ = [
     "shown",
 ]
 
-SHORTEST_LENGTH, LONGEST_LENGTH = 1e-40, 1e40
-"""Lengths [m] between which the fourth power of every slope is a floating-point number."""
+SHORTEST_LENGTH, LONGEST_LENGTH = 1e-35, 1e35
+"""Lengths [m] between which squares of areas and the fourth power of every slope are
+floating-point numbers of all digits: contacts are the same there in any unit."""
 
 LARGEST_NUMBER = 1e100
 """Numbers up to this, and from its inverse on, have squares and powers that are floating-point
@@ -217,7 +218,7 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
     if not ((pair >= SHORTEST_LENGTH) & (pair <= LONGEST_LENGTH)).all():
         raise SurfaceError(
             f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "
-            "lengths in m"
+            f"lengths in m, from {SHORTEST_LENGTH:g} to {LONGEST_LENGTH:g}"
         )
     if pair.max() > SLIMMEST_PIXEL * pair.min():
         raise SurfaceError(

@@ -241,7 +241,8 @@ def checked_size(size: tuple[float, float]) -> tuple[float, float]:
     ly, lx = lengths.tolist()
     _check(
         SHORTEST_LENGTH <= min(ly, lx) and max(ly, lx) <= LONGEST_LENGTH,
-        f"size is {tuple(size)}; both (Ly, Lx) must be positive lengths in m",
+        f"size is {tuple(size)}; both (Ly, Lx) must be positive lengths in m, from "
+        f"{SHORTEST_LENGTH:g} to {LONGEST_LENGTH:g}",
     )
     return ly, lx
 

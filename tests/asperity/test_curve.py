@@ -103,16 +103,17 @@ def test_load_area_and_contacts_grow_as_the_separation_falls(rough):
     assert filled[0] == 0.0 and 0.0 < filled[-1] <= 1.0
 
 
-def test_scaling_of_lengths_and_modulus(rough):
+@pytest.mark.parametrize("scale", [1e-28, 1e3, 1e30])
+def test_scaling_of_lengths_and_modulus(rough, scale):
+    """Forces of such maps are no numbers of single precision: fields of a mesh were none then."""
     loads = default_pressures(rough, STEEL, count=3)
     curve = asperity.contact_curve(rough, STEEL, pressures=loads)
-    larger = rough.replace(
-        heights=1e3 * rough.heights, spacing=(1e3 * rough.spacing[0], 1e3 * rough.spacing[1])
-    )
+    dy, dx = rough.spacing
+    larger = rough.replace(heights=scale * rough.heights, spacing=(scale * dy, scale * dx))
     soft = asperity.HalfSpace.from_modulus(STEEL.modulus / 50)
     scaled = asperity.contact_curve(larger, soft, pressures=loads / 50)
-    np.testing.assert_allclose(scaled.area_fraction, curve.area_fraction, rtol=2e-3)
-    np.testing.assert_allclose(scaled.separation, 1e3 * curve.separation, rtol=2e-3)
+    np.testing.assert_allclose(scaled.area_fraction, curve.area_fraction, rtol=1e-4)
+    np.testing.assert_allclose(scaled.separation, scale * curve.separation, rtol=1e-4)
 
 
 def test_adding_a_constant_and_shifting_change_nothing(rough):

@@ -46,7 +46,8 @@ def test_what_is_no_map_of_heights(heights, match):
 
 
 @pytest.mark.parametrize(
-    "spacing", [0.0, (1e-6, -1e-6), np.nan, (1e-6, 2e-6, 3e-6), "wide", (1e-6, 1e-300), np.inf]
+    "spacing",
+    [0.0, (1e-6, -1e-6), np.nan, (1e-6, 2e-6, 3e-6), "wide", (1e-6, 1e-300), 1e-38, np.inf],
 )
 def test_what_is_no_pixel_size(spacing):
     with pytest.raises(SurfaceError, match="pixel size"):

@@ -99,6 +99,9 @@ class Interaction:
         Number of near pairs.
     two_level
         The points by cells.
+    unit
+        Force [N] of which single precision holds small parts and multiples on maps of any size: the
+        power of two near that which displaces by the split length there.
     smooth
         Mesh part of the last field; None before the first.
     round
@@ -170,7 +173,8 @@ class Interaction:
         self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
         self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
-        self.scales = self.scale * np.array([1.0, self.eta**-2, 1 / self.eta])
+        self.unit = math.ldexp(1.0, math.frexp(self.eta / self.scale)[1])
+        self.scales = self.scale * self.unit * np.array([1.0, self.eta**-2, 1 / self.eta])
         counts = self.ptr[:, 1] - self.ptr[:, 0]
         self.pairs = int(counts.sum())
         self.rows = chunks(counts)
@@ -202,7 +206,8 @@ class Interaction:
         n = len(force)
         size, skew, shape = self.shaped(form)
         m, record, wide = np.empty(n), np.empty((n, 4)), np.empty(n, np.float32)
-        moment = np.zeros((n, 2)) if moment is None else moment
+        moment = np.zeros((n, 2)) if moment is None else moment / self.unit
+        force = force / self.unit
         growth = np.zeros(n) if growth is None else growth
         dipole = np.empty((n, 2))
         _pair_kernels.in_split_lengths(
@@ -257,7 +262,7 @@ class Interaction:
             (smooth, other), *_ = each(lambda part: part(), parts)
         else:
             (smooth, other), *_ = [part() for part in parts]
-        frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scale
+        frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scales[0]
         self.smooth = SmoothField(*frame, smooth[0])
         run(receivers, self.rows)
         return found

@@ -123,7 +123,7 @@ class Tangent:
 
     def __call__(self, vector: Array) -> Array:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
-        out = np.empty(len(vector))
+        out, vector = np.empty(len(vector)), vector / self.plan.unit
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
@@ -138,7 +138,7 @@ class Tangent:
                 smooth[0],
                 self.diagonal,
                 total(self.part, rows),
-                self.plan.scale,
+                self.plan.scales[0],
                 out,
             )
 
