@@ -4,6 +4,8 @@ through SurfaceTopography, an optional extra."""
 from __future__ import annotations
 
 import importlib
+import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from surfaces.errors import FileFormatError, InputError
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
 from ._damage import DAMAGED, damaged
@@ -21,6 +24,9 @@ __all__ = ["SDF_SIGNATURES", "read_instrument", "read_sdf", "read_x3p"]
 
 SDF_SIGNATURES = tuple(f"{kind}{family}-".encode() for kind in "abAB" for family in ("ISO", "BCR"))
 """First bytes of an SDF file, text (a) or binary (b)."""
+
+_NUMBER_OF_PYTHON = re.compile(rb"^(?!\s*ManufacID)[^;\r\n]*?(\w*\d_\d\w*)", re.M)
+"""What Python takes for a number, such as 1_0, and no file may hold, in text before a comment."""
 
 _PIP = "python -m pip install 'asperity[formats]'"
 _BROKEN_EXTRA = (ImportError, AttributeError, RuntimeError, OSError, ValueError, SyntaxError)
@@ -40,6 +46,10 @@ def read_sdf(
     header = file.header
     if not header.z_scale > 0.0:
         raise FileFormatError(f"{path}: Zscale is {header.z_scale}; it must be positive, in m")
+    if header.format is sdfio.FileFormat.ASCII:
+        before_trailer = b"*".join(path.read_bytes().split(b"*")[:2])
+        if strange := _NUMBER_OF_PYTHON.search(before_trailer):
+            raise FileFormatError(f"{path}: holds {strange[1].decode()!r}, which is no number")
     return _stated(path, unit, spacing, file.data, (header.y_scale, header.x_scale), "SDF")
 
 
@@ -50,7 +60,11 @@ def read_x3p(
     import x3pio
 
     try:
+        stated = x3pio.info(path)
+        _require_room(path, stated.layer_count * math.prod(stated.shape))
         file = x3pio.read(path)
+    except InputError:
+        raise
     except DAMAGED as error:
         raise damaged(path, error) from error
     names = [str(number) for number in range(len(file.layers))]
@@ -68,6 +82,11 @@ def read_x3p(
             "over, so that it is open what points out of the solid; export it without a rotation"
         )
     return _stated(path, unit, spacing, layer.z, layer.spacing[::-1], "X3P")
+
+
+def _require_room(path: Path, points: int) -> None:
+    """Refuse a file of so many points that would not fit, before a library makes room for them."""
+    require_memory(32 * points, f"{path}: a map of {points} points", "save a part of it")
 
 
 def _stated(
@@ -103,6 +122,13 @@ def read_instrument(
         with np.errstate(all="ignore"), library.open_topography(str(path)) as reader:
             channel = _channel(reader, path, dataset)
             # the library uses one unit for heights and lengths
+            scale = channel.height_scale_factor
+            if scale is not None and not 0.0 < abs(scale) < math.inf:
+                raise FileFormatError(
+                    f"{path}: the height of one step is {scale} in its header, which tells no "
+                    "heights; export it again"
+                )
+            _require_room(path, math.prod(channel.nb_grid_pts))
             stated = channel.unit if isinstance(channel.unit, str) else None
             chosen = chosen_unit(path, stated, unit)
             sizes = _sizes(channel, path, spacing, metres_per(chosen))

@@ -20,7 +20,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import surfaces
-from surfaces.errors import FileFormatError, InputError
+from surfaces.errors import FileFormatError, InputError, SurfaceError
 from surfaces.files.columns import gridded
 
 from .fuzz_hdf5 import mutate_bytes
@@ -105,6 +105,30 @@ def test_a_scale_of_sdf_that_gives_no_heights_is_refused(tmp_path: Path, scale: 
         surfaces.read(tmp_path / "a.sdf")
 
 
+@pytest.mark.parametrize(
+    ("old", "new"), [(r"(?m)^Xscale = ", "Xscale = 1_0"), (r"\*\s*-?\d", "*\n1_0")]
+)
+def test_numbers_of_a_programming_language_in_sdf_are_refused(tmp_path: Path, old, new) -> None:
+    """1_0 was read as 10; names may hold what they like."""
+    as_sdf(tmp_path / "a.sdf", format=sdfio.FileFormat.ASCII)
+    text = (tmp_path / "a.sdf").read_text().replace("ManufacID = x", "ManufacID = x1_0")
+    assert surfaces.read(_written(tmp_path, text)).missing == 1
+    with pytest.raises(FileFormatError, match=r"a.sdf: holds '1_0.*', which is no number"):
+        surfaces.read(_written(tmp_path, re.sub(old, new, text, count=1)))
+
+
+def _written(folder: Path, text: str) -> Path:
+    (folder / "a.sdf").write_text(text)
+    return folder / "a.sdf"
+
+
+def test_a_matrix_of_x3p_larger_than_memory_is_refused(tmp_path: Path, monkeypatch) -> None:
+    as_x3p(tmp_path / "a.x3p")
+    monkeypatch.setattr("surfaces.numerics.memory.available_bytes", lambda: 12 * 17 * 16)
+    with pytest.raises(SurfaceError, match=r"a map of 204 points needs .* GB .* save a part of it"):
+        surfaces.read(tmp_path / "a.x3p")
+
+
 @pytest.mark.parametrize("name", ["a.sdf", "a.x3p", "a.npz", "a.txt", "a.csv", "a.h5"])
 def test_a_spacing_that_contradicts_the_file_is_refused(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
@@ -119,18 +143,22 @@ def test_a_spacing_that_contradicts_the_file_is_refused(tmp_path: Path, name: st
 
 
 @pytest.mark.parametrize(
-    ("points", "message"),
+    ("points", "scale", "message"),
     [
-        ([(17, 12)], r"states spacing \(2e-06, 3e-06\) m; leave out"),
-        ([(17,)], "holds a line of heights; a height map needs two axes"),
-        ([], "holds no heights in a unit of length"),
+        ([(17, 12)], 0.0, "height of one step is 0.0 in its header"),
+        ([(17, 12)], 1.0, r"states spacing \(2e-06, 3e-06\) m; leave out"),
+        ([(17,)], 1.0, "holds a line of heights; a height map needs two axes"),
+        ([], 1.0, "holds no heights in a unit of length"),
     ],
 )
-def test_instrument_files_of_no_such_map(tmp_path: Path, monkeypatch, points, message) -> None:
+def test_instrument_files_of_no_such_map(
+    tmp_path: Path, monkeypatch, points, scale, message
+) -> None:
     channels = [
-        SimpleNamespace(unit="um", physical_sizes=(51.0, 24.0), nb_grid_pts=n, name="a")
+        SimpleNamespace(unit="um", physical_sizes=(51.0, 24.0), nb_grid_pts=n, name="a",
+                        height_scale_factor=scale)
         for n in points
-    ]
+    ]  # fmt: skip
     content = SimpleNamespace(default_channel=next(iter(channels), None), channels=channels)
     reader = contextlib.nullcontext(content)
     errors = SimpleNamespace(CannotDetectFileFormat=KeyError, ReadFileError=KeyError)
