@@ -76,6 +76,7 @@ def parameters(found: Statistics) -> dict[str, str]:
         rows["largest over smallest rms slope"] = f"{found.moments.slope_ratio:.3g}"
     if found.fit is not None:
         rows["Hurst exponent"] = f"{found.fit.hurst:.3g} ± {found.fit.hurst_error:.1g}"
+        rows["Hurst exponent"] += ", doubtful" if found.fit.warnings else ""
         for name, length in (("roll-off", found.fit.rolloff), ("cut-off", found.fit.cutoff)):
             if math.isfinite(length):
                 rows[f"{name} wavelength"] = told(length, "m")
@@ -109,7 +110,7 @@ def spectrum_lines(
     seen = spectrum.density > spectrum.density.max() * DENSITY_FLOOR
     lines = [_density(label, spectrum.q[seen], spectrum.density[seen], color=color, dash="")]
     if fit is not None:
-        name = f"{label}: fit, H = {fit.hurst:.2f}"
+        name = f"{label}: fit, H = {fit.hurst:.2f}{' (doubtful)' if fit.warnings else ''}"
         lines.append(_density(name, fit.q, fit.density, color=ORANGE, marker=""))
     return lines
 

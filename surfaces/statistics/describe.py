@@ -188,6 +188,7 @@ def described(hm: HeightMap, wolf: float = 5.0) -> tuple[Statistics, Curves]:
         warnings += _resolution_warning(spectrum.moments, hybrid["Sdq"], hybrid["curvature"])
         try:
             fit = fit_spectrum(spectrum)
+            warnings += fit.warnings
         except SurfaceError as error:
             warnings.append(f"no self-affine fit: {error}")
     correlation = autocorrelation(hm)

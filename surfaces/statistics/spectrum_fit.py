@@ -21,6 +21,7 @@ __all__ = ["SpectrumFit", "fit_spectrum"]
 
 _SCATTER = 0.1  # deviation of a ring, in natural logarithms, that no model describes
 _SEGMENT = 3  # least rings of a part
+_DECADES = 0.5  # of a power law below which exponents of exact ones are off by 30 (0.02 above)
 
 
 @dataclass(frozen=True)
@@ -71,12 +72,35 @@ class SpectrumFit:
         """Whether the exponent lies between 0 and 1, within two standard deviations."""
         return -2.0 * self.hurst_error <= self.hurst <= 1.0 + 2.0 * self.hurst_error
 
+    @property
+    def decades(self) -> float:
+        """Decades of wavelengths over which the power law was fitted."""
+        low = np.fmax(self.q[0], 2.0 * np.pi / self.rolloff)
+        high = np.fmin(self.q[-1], 2.0 * np.pi / self.cutoff)
+        return float(np.log10(high / low))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What keeps the exponent from being trusted, one sentence each."""
+        found = []
+        if not self.self_affine:
+            found.append(
+                f"the Hurst exponent {self.hurst:.2f} is not between 0 and 1: the spectrum is that "
+                "of no self-affine surface"
+            )
+        if self.decades < _DECADES:
+            found.append(
+                f"the Hurst exponent {self.hurst:.2f} is that of {self.decades:.2g} decades of "
+                f"wavelengths: less than {_DECADES:g} do not tell it"
+            )
+        return found
+
     def __str__(self) -> str:
         def shown(value: float, error: float) -> str:
             return f"{value:.4g} +- {error:.2g} m" if math.isfinite(value) else "not seen"
 
         kind = f" ({self.cutoff_kind})" if self.cutoff_kind else ""
-        note = "" if self.self_affine else ", not self-affine"
+        note = ", doubtful" if self.warnings else ""
         return (
             f"Hurst exponent {self.hurst:.3f} +- {self.hurst_error:.2g}, roll-off "
             f"{shown(self.rolloff, self.rolloff_error)}, cut-off "

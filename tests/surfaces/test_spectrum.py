@@ -185,3 +185,17 @@ def test_missing_points_are_refused() -> None:
 def test_too_few_rings() -> None:
     with pytest.raises(SurfaceError, match="rings of the spectrum carry power"):
         surfaces.fit_spectrum(surfaces.power_spectrum(noise(6, 5)))
+
+
+def test_an_exponent_of_no_self_affine_surface_is_told() -> None:
+    """Shown as any other before: white noise, and a fifth of a decade between two limits."""
+    narrow = surfaces.self_affine(
+        (64, 64), (64.0, 64.0), hurst=0.8, rms_slope=0.1, rolloff=16.0, cutoff=8.0
+    )
+    for hm, words in (noise(64, 64), "not between 0 and 1"), (narrow, "is that of 0.19 decades"):
+        found = surfaces.describe(hm)
+        (sentence,) = (text for text in found.warnings if "Hurst exponent" in text)
+        assert words in sentence and sentence in str(found)
+        assert "doubtful" in str(found.fit)
+    clean = surfaces.self_affine((128, 128), (128.0, 128.0), hurst=0.8, rms_slope=0.1)
+    assert not surfaces.describe(clean).fit.warnings
