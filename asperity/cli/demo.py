@@ -8,7 +8,7 @@ from pathlib import Path
 from asperity.progress import bar
 from surfaces.files.atomic import make_folder
 
-from . import output, targets
+from . import output, quantities, targets
 from .messages import tell
 
 EPILOG = """example:
@@ -35,7 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folder for surface.h5, results.h5 and report.html (default: this one)",
     )
     parser.add_argument(
-        "--seed", type=int, default=1, metavar="X", help="seed of the surface (default 1)"
+        "--seed",
+        type=quantities.whole(),
+        default=1,
+        metavar="X",
+        help="seed of the surface (default 1)",
     )
     targets.add_force(parser)
 

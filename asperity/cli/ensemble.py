@@ -34,9 +34,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_surface_options(parser, "*")
     group = parser.add_argument_group("members", "Without these options each file is a member.")
     group.add_argument(
-        "--windows", type=int, nargs="+", metavar="N", help="points of windows NY NX of each map"
+        "--windows",
+        type=quantities.whole("points"),
+        nargs="+",
+        metavar="N",
+        help="points of windows NY NX of each map",
     )
-    group.add_argument("--seeds", type=int, metavar="N", help="so many seeds, from --seed (0) on")
+    group.add_argument(
+        "--seeds", type=quantities.whole(), metavar="N", help="so many seeds, from --seed (0) on"
+    )
     group.add_argument(
         "--until",
         type=quantities.of("share"),

@@ -47,7 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--load", metavar="LO:HI:N", help="normal loads [N] in place of approaches")
     parser.add_argument("--law", metavar="NAMES", help="laws, comma-separated (default all)")
     parser.add_argument("--bem", action="store_true", help="solve by boundary elements as well")
-    parser.add_argument("--grid", type=int, help="points per axis of these (default 256)")
+    parser.add_argument(
+        "--grid", type=quantities.whole("points"), help="points per axis of these (default 256)"
+    )
     options.add_tolerance_option(parser)
     parser.set_defaults(tolerance=None)
     targets.add_target(parser, "--plot", suffix=".png", help="picture of the last contact")

@@ -25,6 +25,19 @@ def of(kind: str) -> Callable[[str], float]:
     return parse
 
 
+def whole(things: str = "") -> Callable[[str], int]:
+    """Type of an option that takes a whole number, of `things`."""
+
+    def parse(text: str) -> int:
+        try:
+            return int(text)
+        except ValueError:
+            number = f"whole number of {things}" if things else "whole number"
+            raise argparse.ArgumentTypeError(f"{text[:30]}: give a {number}") from None
+
+    return parse
+
+
 def spread(text: str, option: str, kind: str, *, geometric: bool) -> NDArray[np.float64]:
     """Quantities written as LO:HI:N or as a comma-separated list."""
     ends = text.count(":") == 2

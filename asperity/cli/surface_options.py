@@ -175,7 +175,7 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
     )
     parser.add_argument(
         "--crop",
-        type=int,
+        type=quantities.whole("pixels"),
         nargs=4,
         metavar=("TOP", "BOTTOM", "LEFT", "RIGHT"),
         help="pixels to keep, first and one past last",
@@ -215,11 +215,13 @@ def _output(parser: argparse.ArgumentParser, what: str) -> None:
 def add_generation(parser: Any) -> None:
     """Options that say what surface is made."""
     parser.add_argument("--texture", choices=TEXTURES, default="self-affine")
-    parser.add_argument("--shape", type=int, nargs="+", default=[512, 512], metavar="N")
+    parser.add_argument(
+        "--shape", type=quantities.whole("points"), nargs="+", default=[512, 512], metavar="N"
+    )
     parser.add_argument(
         "--size", type=LENGTH, nargs="+", default=[1e-3], metavar="L", help="lengths LY LX [m]"
     )
     for name, text in PARAMETERS.items():
         kind = "length" if "[m]" in text else "angle" if name == "angle" else "plain number"
-        number: Any = int if name == "seed" else quantities.of(kind)
+        number: Any = quantities.whole() if name == "seed" else quantities.of(kind)
         parser.add_argument(f"--{name.replace('_', '-')}", type=number, metavar="X", help=text)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from asperity.errors import InputError
 from asperity.progress import bar
 
-from . import batch, options, targets
+from . import batch, options, quantities, targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
 from .messages import tell, told
 from .solve import add_accuracy_options, settings_of
@@ -102,13 +102,20 @@ def add_worker_options(parser: argparse.ArgumentParser) -> None:
     """Options that say where jobs run."""
     group = parser.add_argument_group("workers")
     group.add_argument(
-        "--workers", type=int, metavar="N", help="processes (default: as many as processors)"
+        "--workers",
+        type=quantities.whole("processes"),
+        metavar="N",
+        help="processes (default: as many as processors)",
     )
     group.add_argument(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://node:8786, with its workers"
     )
     group.add_argument(
-        "--threads", type=int, default=1, metavar="N", help="threads of each job (default 1)"
+        "--threads",
+        type=quantities.whole(),
+        default=1,
+        metavar="N",
+        help="threads of each job (default 1)",
     )
 
 

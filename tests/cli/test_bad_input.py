@@ -93,6 +93,7 @@ def test_two_by_two_map(command, folder, capsys):
         (["--E", "-210e9"], "E must be positive"),
         (["--bandpass", "-1e-6", "1e-3"], "wavelengths -1e-06 to 0.001 m"),
         (["--crop", "-5", "10", "0", "10"], "rows (-5, 10) are not inside"),
+        (["--crop", "0", "1e-4", "0", "1e-4"], "--crop: 1e-4: give a whole number of pixels"),
         (["--resample", "-1e-6"], "must be positive lengths in m"),
         (["--pressure", "a:b:c"], "LO:HI:N"),
         (["--pressure", "1e7:1e8:99999999"], "1e+08 load points; give at most 10000"),
