@@ -79,6 +79,7 @@ def plot_spectrum(spectrum: Spectrum, fit: SpectrumFit | None = None) -> Figure:
     axes.loglog(spectrum.q[seen], spectrum.density[seen], "o", ms=3.5, color=_INK, label="rings")
     if fit is not None:
         label = f"fit, H = {fit.hurst:.2f} $\\pm$ {fit.hurst_error:.2g}"
+        label += " (doubtful)" if fit.warnings else ""
         axes.loglog(fit.q, fit.density, color=_ACCENT, lw=1.6, label=label)
         for wavelength, name in ((fit.rolloff, "roll-off"), (fit.cutoff, "cut-off")):
             if np.isfinite(wavelength):

@@ -123,8 +123,8 @@ def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> A
         )
     plot.add_tools(*hovered)
     for axis, kind in ((plot.xaxis, kinds["x"]), (plot.yaxis, kinds["y"])):
-        axis.formatter = PrintfTickFormatter(format="%.4g")
-        if kind == "log":
+        if kind == "log":  # others show as many digits as tell their labels apart
+            axis.formatter = PrintfTickFormatter(format="%.4g")
             axis.ticker = CustomJSTicker(major_code=TICKS)
     if plot.legend:
         plot.add_layout(plot.legend[0], "above")

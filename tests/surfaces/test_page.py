@@ -17,7 +17,7 @@ import surfaces
 from surfaces.drawing import suited, told
 from surfaces.page import section, write_page
 from surfaces.page.fields import reduced, reduction, touched
-from surfaces.page.lines import TICKS
+from surfaces.page.lines import TICKS, Line, line_figure
 from surfaces.page.roughness import height_layer
 from surfaces.page.words import in_words, preparation_warnings
 from surfaces.statistics import bearing, correlation, density
@@ -30,6 +30,14 @@ def test_a_suited_unit_gives_numbers_that_are_easily_read(value, unit):
     largest = math.inf if unit[0] == "m" and factor == 1.0 else 1000 ** unit[1]
     smallest = 0.0 if name.startswith("p") else 1.0
     assert smallest * (1 - 1e-6) <= value / factor < largest * (1 + 1e-6)
+
+
+def test_an_axis_shows_as_many_digits_as_tell_its_labels_apart():
+    """Four digits repeated one number on axes whose values differ less."""
+    for rise, kind in (1e-6, "auto"), (100.0, None):
+        values = 1e15 * np.linspace(1.0, 1.0 + rise, 5)
+        figure = line_figure([Line("a", {"x": np.arange(5.0), "y": values}, "black")], "x", "y")
+        assert getattr(figure.yaxis[0].formatter, "precision", None) == kind
 
 
 @given(st.floats(1e-9, 1e9))
