@@ -215,7 +215,9 @@ class ContactProblem:
         return outcome
 
     def separation(self, outcome: Outcome) -> float:
-        """Separation reached [m]."""
+        """Separation reached [m]; zero, without rounding, in full contact of a periodic cell."""
+        if math.isinf(outcome.stiffness):
+            return 0.0
         return float(-outcome.reading.level - self.level.mean_height) * self.unit
 
     def mean_pressure(self, outcome: Outcome) -> float:

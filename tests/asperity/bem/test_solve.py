@@ -8,7 +8,7 @@ from oracles import periodic_displacement, polonsky_keer
 from scipy.integrate import trapezoid
 from strategies import rough
 
-from asperity import HalfSpace, bem_solve, errors
+from asperity import HalfSpace, bem_curve, bem_solve, errors
 from surfaces import HeightMap
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -278,6 +278,15 @@ def test_missing_points_are_refused():
     heights[3, 4] = np.nan
     with pytest.raises(errors.SurfaceError, match=r"1 missing points.*fill"):
         bem_solve(HeightMap(heights, 0.1), BODY, pressure=1.0)
+
+
+def test_no_separation_is_left_in_full_contact():
+    """Rounding was, of either sign: -1e-17 m of heights of 0.1 m."""
+    hm = rough((24, 32))
+    low, full = (bem_solve(hm, BODY, pressure=p).separation for p in (1e-3, 10.0))
+    assert low > 0.0 and full == 0.0
+    curve = bem_curve(hm, BODY, pressures=[1e-3, 10.0, 20.0])
+    assert curve.separation[1:].tolist() == [0.0, 0.0] and np.isinf(curve.stiffness[1:]).all()
 
 
 @pytest.mark.parametrize("size", [1e-30, 1e-12, 1e12])
