@@ -110,6 +110,14 @@ def test_tables_on_the_pages_are_those_of_the_files():
         assert script["filled"](text) == text, f"{page.name}: run python benchmarks/tables.py"
 
 
+def test_the_places_of_results_on_the_page_of_formats_exist(files):
+    h5py = pytest.importorskip("h5py")
+    page = (ROOT / "docs" / "formats.md").read_text()
+    (named,) = re.findall(r"^\| `curves/NAME/([\w/]+)`", page, re.MULTILINE)
+    with h5py.File(files / "results.h5") as file:
+        assert all(named in curve for curve in file["curves"].values())
+
+
 def test_the_pages_for_users_are_short():
     words = [w for page in FOR_USERS for w in page.read_text().split() if re.search(r"\w", w)]
     assert len(words) <= 7000
