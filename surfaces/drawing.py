@@ -1,4 +1,4 @@
-"""What a reader sees: heights on matplotlib axes, figures as images of a page, quantities with the
+"""What a reader sees: fields on matplotlib axes, figures as images of a page, quantities with the
 prefix that suits them."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "averaged",
     "color_range",
-    "draw_heights",
+    "draw_field",
     "figure_height",
     "image",
     "logarithmic",
@@ -38,26 +38,37 @@ LOGARITHMIC_RATIO = 10.0
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 
-def draw_heights(
-    axes: Axes, heights: NDArray[np.float64], size: tuple[float, float], **style: Any
-) -> None:
-    """Draw heights [m], (ny, nx), about their mean in true proportions, with a color bar; `size` is
-    (Ly, Lx) [m], and `style` goes to ``imshow``. Missing ones stay white; large maps are averaged.
+def draw_field(
+    axes: Axes | None,
+    values: NDArray[np.float64],
+    size: tuple[float, float],
+    name: str,
+    unit: str,
+    **style: Any,
+) -> Axes:
+    """Draw a field, (ny, nx), in true proportions with a color bar, on new axes if None.
+
+    Values of the `name` are in the SI `unit`, `size` is (Ly, Lx) [m], and `style` goes to
+    ``imshow``. Missing ones stay white; large fields are averaged.
     """
     from matplotlib.ticker import EngFormatter
 
-    about_mean = heights - np.nanmean(heights)
-    scale, unit = suited(float(np.nanmax(np.abs(about_mean))), "m")
-    shown = averaged(about_mean, PICTURE_SIDE) / scale
+    if axes is None:
+        from matplotlib import pyplot
+
+        axes = pyplot.subplots(layout="constrained")[1]
+    scale, unit = suited(float(np.nanmax(np.abs(values))), unit)
+    shown = averaged(values, PICTURE_SIDE) / scale
     low, high = color_range(shown)
     look: dict[str, Any] = {"cmap": "cividis", "vmin": low, "vmax": high, "aspect": "equal"}
     extent = (0.0, size[1], 0.0, size[0])
     drawn = axes.imshow(shown, origin="lower", extent=extent, **look | style)
     bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
-    axes.figure.colorbar(drawn, cax=bar, label=f"height [{unit}]", extend="both")
+    axes.figure.colorbar(drawn, cax=bar, label=f"{name} [{unit}]", extend="both")
     for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(EngFormatter(unit="m"))
         axis.set_label_text(label)
+    return axes
 
 
 def color_range(values: NDArray[Any]) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.drawing import draw_heights, figure_height, image
+from surfaces.drawing import draw_field, figure_height, image
 from surfaces.errors import (
     SurfaceError,
     as_number,
@@ -304,12 +304,8 @@ class HeightMap:
         >>> hm.plot().get_xlabel()
         'x'
         """
-        if ax is None:
-            from matplotlib import pyplot
-
-            ax = pyplot.subplots(layout="constrained")[1]
-        draw_heights(ax, self.heights, self.size, **style)
-        return ax
+        about_mean = self.heights - np.nanmean(self.heights)
+        return draw_field(ax, about_mean, self.size, "height", "m", **style)
 
     def _repr_html_(self) -> str:
         """Facts and picture for a notebook."""

@@ -6,16 +6,20 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.load_points import Boundary
+from surfaces.drawing import draw_field
 from surfaces.heightmap import HeightMap
 from surfaces.patches import count_patches, label_patches
 
 from .certificate import Certificate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 __all__ = ["BemSolution", "contours", "read_contact"]
 
@@ -160,6 +164,18 @@ class BemSolution:
     def contacts(self) -> int:
         """Number of separate contact patches."""
         return self._reading[2]
+
+    def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
+        """Draw the pressure in true proportions, on new axes if None; `style` goes to ``imshow``.
+
+        Examples
+        --------
+        >>> import asperity, surfaces
+        >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1)
+        >>> asperity.bem_solve(hm, asperity.HalfSpace(210e9, 0.3), pressure=1e9).plot().get_xlabel()
+        'x'
+        """
+        return draw_field(ax, self.pressure, self.surface.size, "pressure", "Pa", **style)
 
     def outlines(self) -> list[NDArray[np.float64]]:
         """Outlines of the patches, polygons (x, y) [m], shape (n, 2) each."""

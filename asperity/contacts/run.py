@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,12 +13,15 @@ from asperity.curve import solve_loads
 from asperity.errors import ConvergenceError, InputError, cautious, warn_once
 from asperity.progress import Progress
 from asperity.results.curve import ContactCurve
+from surfaces.drawing import draw_field
 
 from .fields import pressure_map
 from .spots import spot_table
 from .table import microcontacts
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from asperity.halfspace.material import HalfSpace
     from asperity.model.decomposition import Decomposition
     from asperity.model.load_point import LoadPoint
@@ -75,6 +78,21 @@ class ContactRun:
     def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
         """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
         return pressure_map(self.decomposition, self._point(point))
+
+    def plot(self, point: int = -1, ax: Axes | None = None, **style: Any) -> Axes:
+        """Draw the pressure at a load point in true proportions, on new axes if None; `style` goes
+        to ``imshow``. Of the curve: ``run.curve.plot()``.
+
+        Examples
+        --------
+        >>> import asperity, surfaces
+        >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1)
+        >>> run = asperity.solve_contacts(hm, asperity.HalfSpace(210e9, 0.3), pressures=[1e9])
+        >>> run.plot().get_xlabel()
+        'x'
+        """
+        size = self.decomposition.hm.size
+        return draw_field(ax, self.pressure_map(point), size, "pressure", "Pa", **style)
 
     def __str__(self) -> str:
         return f"{self.curve}\nsummits         {len(self.decomposition.summits)}"

@@ -54,3 +54,18 @@ def test_a_load_point_that_is_none():
             with pytest.raises(InputError, match="numbered 0 to 1"):
                 ask(none)
     assert len(run.microcontacts(1)) == len(run.microcontacts(-1))
+
+
+def test_pressures_of_both_models_are_drawn_as_maps_are():
+    figure = pytest.importorskip("matplotlib.figure").Figure()
+    hm = self_affine((24, 32), (24e-6, 32e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6, seed=1)
+    body = asperity.HalfSpace.from_modulus(1e9)
+    run = solve_contacts(hm, body, pressures=[1e6, 3e6])
+    solution = asperity.bem_solve(hm, body, pressure=3e6)
+    for axes, plot, pressure in (
+        (figure.add_subplot(1, 2, 1), run.plot, run.pressure_map()),
+        (figure.add_subplot(1, 2, 2), solution.plot, solution.pressure),
+    ):
+        (drawn,) = plot(ax=axes, cmap="gray").images
+        np.testing.assert_allclose(drawn.get_array(), pressure / 1e6)
+        assert axes.child_axes[0].get_ylabel() == "pressure [MPa]"
