@@ -2,7 +2,8 @@
 
 With v = K sqrt(d / reach), node j at v = j, the force is F = v^p s(v). Between nodes s is a cubic
 Hermite polynomial in v, linear in the first interval, so that a Hertzian contact is exact at any
-grading; area/v^2 is linear in v. The energy int F dd follows in closed form. The moment
+grading; area/v^2 is linear in v, as far as the area does not exceed that of the next node: an area
+never falls. The energy int F dd follows in closed form. The moment
 m = (1/F) int variance dF is a growing cubic Hermite polynomial with the slope
 dm/dF = (variance - m)/F at the nodes, an increment at the stiffness k being spread with the
 variance (factor k)^exponent (docs/development/half_space.md). Beyond the reach the contact is a
@@ -191,8 +192,8 @@ def evaluate(
             bend = c1 + t * (2.0 * c2 + 3.0 * t * c3)
             s[k + _M] = c0 + t * (c1 + t * (c2 + t * c3))
             s[k + _GROWN] = bend * level * v / slope if slope > 0.0 else 0.0
-            spot = flat[left + _AREA]
-            s[k + _SPOT] = v * v * (spot + t * (flat[right + _AREA] - spot))
+            spot, after = flat[left + _AREA], flat[right + _AREA]
+            s[k + _SPOT] = min(v * v * (spot + t * (after - spot)), (j + 1.0) * (j + 1.0) * after)
         for k in range(count):
             n, d, v, top = closed[k], approach[closed[k]], s[k + _V], s[k + _TOP]
             f, stiff, work = s[k + _F], s[k + _STIFF], s[k + _WORK]
@@ -260,12 +261,13 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
     tips[:] = 0.0
     for r in range(reach.size):
         width = 2.0 * reach[r] / (steps * steps)
-        s0, d0, work, load, spread = 0.0, 0.0, 0.0, 0.0, 0.0
+        s0, d0, work, load, spread, most = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for j in range(steps):
             v = j + 1.0
             s1 = force[r, j + 1] / _power(v, power)
             d1 = stiffness[r, j + 1] * width * v / _power(v, power) - power * s1 / v
-            table[r, j + 1, AREA] = area[r, j + 1] / (v * v)
+            most = max(most, area[r, j + 1])
+            table[r, j + 1, AREA] = most / (v * v)
             if j == 0 and abs(d1) > BLUNT_TIP * s1 and 0.0 < force[r, 1] < force[r, 2]:
                 rise, spot, wide = _tip_exponents(force[r], area[r], power, exponent)
                 # one by one: a row filled by a tuple takes 1 s more to compile

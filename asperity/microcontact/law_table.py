@@ -66,10 +66,10 @@ class LawTable:
 
     Notes
     -----
-    Between the nodes s is a cubic Hermite polynomial in u and area/u^2 is linear in u
-    (`law_kernels`), so that a Hertzian contact is exact and the stiffness is the derivative of the
-    force. Beyond the reach the basin is filled: a flat punch, force linear with the last stiffness,
-    area constant.
+    Between the nodes s is a cubic Hermite polynomial in u and area/u^2 is linear in u, as far as
+    the area does not fall (`law_kernels`): a Hertzian contact is exact, and the stiffness is the
+    derivative of the force. Beyond the reach the basin is filled: a flat punch, force linear with
+    the last stiffness, area constant.
     """
 
     reach: Array

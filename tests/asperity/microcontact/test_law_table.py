@@ -123,6 +123,18 @@ def test_laws_for_loads_to_come_are_made_in_few_blocks():
     assert 2 * fewer < blocks and made < 1.5 * active
 
 
+def test_areas_never_fall():
+    """Of a punch, whose area jumps at the first touch, nor where nodes scatter."""
+    u = np.arange(13.0) / 12
+    area = np.where(u > 0, 0.3, 0.0) * (1 + 0.02 * np.cos(9 * np.arange(13)))
+    nothing = np.zeros((1, 13))
+    table = LawTable(
+        np.ones(1), (u**2)[None], np.ones((1, 13)), area[None], nothing.astype(np.uint8), nothing
+    )
+    found = table.evaluate(0, np.linspace(0.0, 1.2, 500))[2]
+    assert np.all(np.diff(found) >= -1e-15) and found[-1] == pytest.approx(area.max(), rel=1e-15)
+
+
 def test_summits_without_a_law_stay_open():
     y, x, height, whole, _, _ = tables(100)
     dead = np.argsort(-height)[:10]
