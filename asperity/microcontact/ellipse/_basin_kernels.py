@@ -106,8 +106,8 @@ def _planform(radius, weight, direction, rays, m, punch, out, place_):
     large, small = mean + half, most(mean - half, 2e-12 * mean)
     stiffness, start, inverse, lobes = punch
     x = (0.5 * logarithm(small / large) - start) * inverse
-    x = between(x, splat(1.0), splat(stiffness.size - 2.001))
-    i = whole(x)
+    x = between(x, splat(0.0), splat(stiffness.size - 1.0))
+    i = between(whole(x), splat(1.0), splat(stiffness.size - 3.0))
     u = x - i
     k = entries(stiffness, i - 1.0) * (u * (u - 1.0) * (u - 2.0) * (-1 / 6))
     k += entries(stiffness, i) * ((u + 1.0) * (u - 1.0) * (u - 2.0) * 0.5)

@@ -188,8 +188,8 @@ def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
 def between(rows: Array, position: float) -> Array:
     """Row at a logarithm of the axis ratio of a table over these, by local cubics."""
     first, last, count = LOG_RATIO
-    place = min(max((position - first) / (last - first) * (count - 1), 1.0), count - 2.001)
-    i = int(place)
+    place = min(max((position - first) / (last - first) * (count - 1), 0.0), count - 1.0)
+    i = min(max(int(place), 1), count - 3)
     u = place - i
     share = np.array(
         [
