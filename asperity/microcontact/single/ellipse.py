@@ -58,6 +58,7 @@ def _state(
     unit = material.modulus
     coefs = -gap.polynomial
     coefs[0] += approach
+    middle = float(profile(*ellipse.places(np.zeros(1), np.zeros(1)))[0])
     e1, e2, e3 = one.contour
     # logarithm of the squared contour; at a kink the higher orders ring and cut the corner
     kinked = len(getattr(profile, "corners", ())) > 0
@@ -81,6 +82,7 @@ def _state(
         coefs=coefs,
         misfit=gap.misfit / approach,
         residue=gap.residue / approach,
+        centre=(1 + material.m) * abs(gap.centre - middle) / approach,
     )
 
 

@@ -65,6 +65,11 @@ class Gap:
     misfit: float
     residue: float
 
+    @property
+    def centre(self) -> float:
+        """f of the representation at the centre [m]."""
+        return float(self.polynomial[0] + self.rest[0, 0].real)
+
 
 @dataclass(frozen=True, eq=False)
 class Edge:
