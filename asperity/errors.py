@@ -48,11 +48,12 @@ class ContactWarning(UserWarning):
 class Flag(IntFlag):
     """Validity bits of a contact; 0 means that nothing was found wrong.
 
-    `CONTOUR_DOUBTFUL`: min a(phi)/a < 0.5 or max |a(phi) - a|/a > 0.5. `CONTOUR_NEGATIVE`: some
-    a(phi) <= 0. `TURNING`: the approach is no rising function of the radius here (D' <= 0), there
-    is no solution. `NEGATIVE_GAP`: f < 0 inside the contact (a higher neighbor). `RAY_TURNS`: f
-    falls along a ray inside the contact. `SECOND_SUMMIT`: another summit stands inside {f < d}.
-    `BEYOND_RADIUS`: the contact leaves the sampled radius on some ray. `FILLED`: the contact
+    `CONTOUR_DOUBTFUL`: min a(phi)/a < 0.5 or max |a(phi) - a|/a > 0.5, or the law "harmonic" or
+    "paper" expects half the force as an error. `CONTOUR_NEGATIVE`: some a(phi) <= 0. `TURNING`: the
+    approach is no rising function of the radius here (D' <= 0), there is no solution.
+    `NEGATIVE_GAP`: f < 0 inside the contact (a higher neighbor). `RAY_TURNS`: f falls along a ray
+    inside the contact. `SECOND_SUMMIT`: another summit stands inside {f < d}. `BEYOND_RADIUS`: the
+    contact leaves the sampled radius on some ray, or lies within the first. `FILLED`: the contact
     covers its whole basin.
     """
 

@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 _ANGLES = 720
 """Angles at which the flags look at a contour."""
 
+_DOUBTFUL = 0.5
+"""Relative error expected of the force beyond which a contour is doubtful: near m = 1 that of a
+long contact deviates too little from a circle to be seen."""
+
 _CLOSED = 2048
 """Angles at which the area of a contour is taken."""
 
@@ -149,6 +153,8 @@ def indent(
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     flags = contour_flags(a, fields.fill(fields.first_order(phi)))
     flags |= profile_flags(profile, approach, phi, fields.contour(phi))
+    error = everywhere(spread)
+    flags[error > _DOUBTFUL] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
     return Indentation(
         law=law,
@@ -159,7 +165,7 @@ def indent(
         radius=everywhere(one.a),
         stiffness=everywhere(stiffness),
         flags=flags,
-        error_estimate=everywhere(spread),
+        error_estimate=error,
         contour_function=fields.contour,
         pressure_function=fields.scaled if fields.similar else fields.history,
         history_function=fields.history,

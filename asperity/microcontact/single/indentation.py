@@ -185,12 +185,15 @@ def profile_flags(
     (k, phi.size) holds their a(phi) [m]."""
     flags = np.zeros(approach.shape, dtype=np.uint8)
     reach = np.max(np.nan_to_num(contour), axis=1)
-    flags[reach > profile.radius] |= np.uint8(Flag.BEYOND_RADIUS)
-    if isinstance(profile, PolarProfile) and profile.edge is not None:
-        end = np.interp(phi, profile.phi, profile.edge, period=2 * np.pi)
-        flags[np.any(contour > end, axis=1)] |= np.uint8(Flag.BEYOND_RADIUS)
-        saddle = np.min(profile(profile.edge, profile.phi))
-        flags[approach > saddle] |= np.uint8(Flag.SECOND_SUMMIT)
+    beyond = reach > profile.radius
+    if isinstance(profile, PolarProfile):
+        beyond |= (reach > 0) & (reach < profile.r[1])  # the table does not tell how f begins
+        if profile.edge is not None:
+            end = np.interp(phi, profile.phi, profile.edge, period=2 * np.pi)
+            beyond |= np.any(contour > end, axis=1)
+            saddle = np.min(profile(profile.edge, profile.phi))
+            flags[approach > saddle] |= np.uint8(Flag.SECOND_SUMMIT)
+    flags[beyond] |= np.uint8(Flag.BEYOND_RADIUS)
     if not np.max(reach, initial=0.0) > 0:
         return flags
     last = profile.radius if np.isfinite(profile.radius) else _FARTHEST * float(np.max(reach))
