@@ -201,7 +201,7 @@ def test_auto_chooses_by_the_expected_error():
 
 @pytest.mark.parametrize("law", ["ellipse", "auto"])
 @pytest.mark.parametrize("m", [0.0, -0.4, 0.4])
-@pytest.mark.parametrize("ratio", [10, 30, 60, 79, 200])
+@pytest.mark.parametrize("ratio", [10, 30, 60, 200])
 def test_slender_contacts_are_exact_or_told(ratio, m, law):
     """Contacts more slender than the tables reach were 12 % off at an error of 1e-15."""
     body = PowerLawProfile(2, lambda phi: np.cos(phi) ** 2 + (np.sin(phi) / ratio) ** 2)
@@ -210,6 +210,15 @@ def test_slender_contacts_are_exact_or_told(ratio, m, law):
     exact = asperity.indent(body, half, 0.1, law="hertz")
     error = abs(one.force / exact.force - 1)
     assert error < 1e-3 or not one.valid or (one.flags > 0 and error < 3 * one.error_estimate)
+
+
+@pytest.mark.parametrize(("ratio", "m"), [(21.8, -0.4), (36.2, 0.0), (53.8, 0.4)])
+def test_contacts_are_exact_to_the_end_of_the_tables(ratio, m):
+    """Of an axis ratio of 79; they were 2 % off at a stated error of 1e-15."""
+    body = PowerLawProfile(2, lambda phi: np.cos(phi) ** 2 + (np.sin(phi) / ratio) ** 2)
+    half = asperity.HalfSpace.from_modulus(1.0, m)
+    one, exact = (asperity.indent(body, half, 0.1, law=law) for law in ("ellipse", "hertz"))
+    assert one.force == pytest.approx(exact.force, rel=1e-6) and not one.flags
 
 
 @pytest.mark.parametrize("m", [-0.5, 0.0, 0.5])
