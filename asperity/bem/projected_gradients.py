@@ -22,6 +22,9 @@ _ENERGY_NOISE, _LOOSEST_NOISE = 0.1, 1e-3
 """Rise of the energy taken for rounding, over tolerance times load times length scale; and the
 largest tolerance that counts. A larger rise is none of rounding: the iteration would cycle."""
 
+_STUCK = 0.02
+"""Share of a step that does not lower the energy up to which the next would be cut off, too."""
+
 
 class ListOperator(Protocol):
     """Operator and preconditioner on the points of a list.
@@ -80,12 +83,14 @@ def solve_on_list(
     are found anew. Directions stay conjugate meanwhile (Polak-Ribiere): started anew at each
     change of the active points, they would be those of steepest descent wherever many change.
     Where the cap holds a pressure, its displacement is part of the gap. A step that raises
-    the energy is shortened until it does not, so that the iteration cannot cycle. Only changes of
-    the pressure and of the gap are held in single precision.
+    the energy is shortened until it does not, so that the iteration cannot cycle. One that is cut
+    off, all but next to nothing, is followed by one of steepest descent that no bound cuts: few
+    points that bear the load of many would be cut again and again, and their load shared among all.
+    Only changes of the pressure and of the gap are held in single precision.
     """
     state = _State(operator, pressure, gap, total, cap)
     accepted, wanted = np.empty_like(pressure), np.empty_like(pressure)
-    lowest_energy, share = math.inf, 1.0
+    lowest_energy, last_energy, share = math.inf, math.inf, 1.0
     carried = pressure.sum() if total is None else total
     margin = _ENERGY_NOISE * min(tolerance, _LOOSEST_NOISE) * scale * carried
     plain = False
@@ -104,13 +109,17 @@ def solve_on_list(
             pressure[:] = accepted + share * (wanted - accepted)
             state.forget()
             if share == 0.0:
-                lowest_energy, share = math.inf, 1.0
+                lowest_energy, last_energy, share = math.inf, math.inf, 1.0
             continue
-        unmoved = state.energy == lowest_energy  # all that the step changed was cut off
-        if unmoved and plain:
+        stuck = state.energy >= last_energy and bool(
+            np.abs(pressure - accepted).sum() <= _STUCK * np.abs(wanted - accepted).sum()
+        )
+        if stuck and plain:
             break
-        plain = unmoved or (plain and math.isinf(lowest_energy))  # once: the step before has done
-        lowest_energy, share = state.energy, 1.0
+        plain = stuck or (plain and math.isinf(lowest_energy))  # once: the step before has done
+        # by less than the margin each, many steps would raise it without end
+        lowest_energy, last_energy = min(lowest_energy, state.energy), state.energy
+        share = 1.0
         accepted[:] = pressure
         if not state.step(plain):
             if plain or not state.step(True):

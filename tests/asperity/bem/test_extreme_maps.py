@@ -86,3 +86,17 @@ def test_a_flat_punch_scales_with_its_load(height):
     curve = bem_curve(hm, body, pressures=loads, accuracy=0.05, boundary="free")
     assert curve.converged.all(), curve.reasons
     np.testing.assert_allclose(curve.stiffness, curve.stiffness[-1], rtol=1e-3)
+
+
+def test_plateaus_share_a_light_load():
+    """Half of the map has one height. The first steps leave the load to a few points of it, from
+    which it must get to all the others."""
+    shape = 12, 150
+    waves = np.fft.fft2(np.random.default_rng(5).normal(size=shape))
+    far = np.hypot(np.fft.fftfreq(shape[0])[:, None], np.fft.fftfreq(shape[1]))
+    heights = np.fft.ifft2(waves * np.exp(-((9.0 * far) ** 2))).real
+    heights = np.minimum(heights, np.median(heights)) / heights.std()
+    curve = bem_curve(HeightMap(heights, 10.0, periodic=True), BODY, pressures=[1e-7])
+    assert curve.converged.all(), curve.reasons
+    assert curve.extra["iterations"][0] < 60
+    assert curve.extra["contact_area_raw"][0] == 100.0 * np.count_nonzero(heights == heights.max())
