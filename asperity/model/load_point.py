@@ -114,7 +114,9 @@ def point_at_separation(
         point = load_point(decomposition, state)
         error = separation - point.surface.separation
         close = abs(error) * point.surface.stiffness <= LOAD_ERROR * state.mean_pressure
-        if not state.converged or (error >= 0.0 if state.active == 0 else close):
+        # refused nearer than the flat shall be, it is not refused there
+        refused = not state.converged and not error > 0.0
+        if refused or (error >= 0.0 if state.active == 0 else close):
             return point
         step = error
         if before is not None and before[1] != error:

@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 LOAD_STEP = 0.02
 """Change of the load, relative, over which energies are compared."""
 
+MOST_CLOSED = 0.9
+"""Share of the map up to which the bearing curve is followed, which has no end at full contact:
+load points beyond half of it are refused, but a search may pass through them."""
+
 
 @dataclass(frozen=True)
 class SubContactLaw:
@@ -139,7 +143,7 @@ class SubContactLaw:
     def bearing_lift(self, share: float) -> float:
         """Height [m] by which the fine waves raise the bearing curve where it is the share P."""
         longer, whole = self.rms
-        return float(-ndtri(share) * (whole - longer))
+        return float(-ndtri(min(share, MOST_CLOSED)) * (whole - longer))
 
     def _opening(self, pressure: ArrayLike, share: float) -> Array:
         """sqrt(b)."""

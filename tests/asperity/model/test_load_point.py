@@ -78,3 +78,17 @@ def test_none_without_load_and_no_more_than_contacts_where_every_summit_is_one()
     curve = asperity.contact_curve(hm, BODY, pressures=loads, scales="all")
     assert curve.contacts[0] == 0 and (curve.contacts[1:] >= 1).all()
     assert (curve.contacts <= curve.extra["microcontacts"]).all()
+
+
+def test_a_separation_is_found_past_points_that_are_refused():
+    """White noise of a body that yields: the fine waves lift the flat so far that the first guess
+    of its separation from the longer ones closes more than half of the map, or all of it."""
+    hm = HeightMap(np.random.default_rng(0).normal(size=(96, 96)), 5.0, periodic=True)
+    body = asperity.HalfSpace.from_modulus(1.0, hardness=0.15)
+    loads = pressure_scale(hm, body) * np.array([0.01, 0.03])
+    curve = asperity.contact_curve(hm, body, pressures=loads)
+    alone = asperity.contact_curve(hm, body, separations=curve.separation[1:])
+    assert alone.converged.all(), alone.reasons
+    assert alone.area_fraction == pytest.approx(curve.area_fraction[1:], rel=0.01)
+    deep = [*curve.separation, 0.3 * curve.separation[1]]
+    assert asperity.contact_curve(hm, body, separations=deep).converged.tolist() == [1, 1, 0]

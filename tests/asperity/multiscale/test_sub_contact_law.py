@@ -93,3 +93,9 @@ def test_the_lift_grows_steadily_to_the_lightest_load():
         found = np.array([lift(share) for share in shares])
         assert 0.0 < found[-1] < found[0] < 2.0 * found[-1]
         assert (np.diff(found) < 0.0).all()
+
+
+def test_contacts_that_overlap_beyond_the_map_leave_a_lift():
+    """A search for a separation may pass through such states, which are refused."""
+    law = dataclasses.replace(FINE, rms=(1e-8, 2e-8))
+    assert law.bearing_lift(1.2) == law.bearing_lift(1.0) < law.bearing_lift(0.5) == 0.0
