@@ -27,13 +27,8 @@ MATRIX_NODES = 100
 the library's, and a tenth on 16 nodes. The products of longer ones would use several threads."""
 
 LEAST_NODES = 32
-"""Nodes along each side of a periodic cell, and of the longer one of the padded extent of points on
-a free half-space, at least: with few contacts errors of the mesh, which hang on their places
-between its nodes, do not average out."""
-
-LEAST_EXTENT = 2.0
-"""Least extent on a free half-space, in split lengths: where a padded mesh repeats, its kernel has
-a kink, which has to lie away from all points."""
+"""Nodes along each side of a periodic cell at least: with few contacts errors of the mesh, which
+hang on their places between its nodes, do not average out."""
 
 HIGHEST_WAVE_NUMBER = 13.0
 """Wave number times eta beyond which the smooth part is nothing (1e-18)."""
@@ -76,8 +71,6 @@ class Mesh:
             step = (size[0] / self.shape[0], size[1] / self.shape[1])
             transfer = _periodic_transfer(footprints, size, self.shape)
         else:
-            size = max(size[0], LEAST_EXTENT), max(size[1], LEAST_EXTENT)
-            nodes = max(nodes, 0.5 * LEAST_NODES / max(size))
             self.shape = _lengths(*(2 * (math.ceil(nodes * s) + 4) for s in size))
             step = (1 / nodes, 1 / nodes)
             smooth = scipy.fft.rfft2(_free_samples(footprints, step, self.shape)).real
