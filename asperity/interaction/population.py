@@ -206,6 +206,7 @@ def _searched(
     """Safeguarded Newton iteration for the logarithm of the mean pressure."""
     system = last.system
     top = system.highest
+    tolerance = min(tolerance, SEARCH_TOLERANCE)  # no last step follows
     low, high, step = -math.inf, top, 0.1 * _relief(system)
     if state is None or not state.mean_pressure > 0:
         state = solve_at(last, _independent_separation(system, pressure), tolerance)

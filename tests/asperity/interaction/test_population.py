@@ -12,6 +12,7 @@ from strategies import random_population
 import surfaces
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
+from asperity.interaction.newton import solver
 from asperity.interaction.population import Population
 from asperity.microcontact import tabulate
 
@@ -129,6 +130,16 @@ def test_pressure_control_meets_separation_control(boundary, interaction):
         same = population.solve(separation=state.separation)
         assert same.mean_pressure == pytest.approx(pressure, rel=3e-3)
     assert population.solve(pressure=0.0).active == 0
+
+
+def test_a_load_that_is_searched_for_is_met_as_its_separation(monkeypatch):
+    """No last step follows there: on crowded fibers the area was a third too large."""
+    monkeypatch.setattr(solver, "MAX_LOADED_STEPS", 0)
+    population = make()
+    found = population.solve(pressure=1e-2, tolerance=0.05)
+    assert found.converged and found.residual <= 5e-3
+    exact = population.solve(separation=found.separation, tolerance=1e-6)
+    np.testing.assert_allclose(found.contact_area, exact.contact_area, rtol=1e-2)
 
 
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
