@@ -40,6 +40,10 @@ MEAN_NEIGHBORS = 15
 FEW_POINTS, FEW_NEIGHBORS = 3_500, 11
 """Points whose mesh is short, and their neighbors: pairs and mesh then take the same time."""
 
+LONGEST_REACH = 16.0
+"""Cut-off of the near pairs on a free half-space over the extent of the points, at most: where all
+points are near each other, what the mesh adds is smaller, and with it its errors."""
+
 CHEAP_PAIRS = 5_000
 """Near pairs, twice over, that cost little, of however few points: what footprints are beyond them
 does not average out over few contacts."""
@@ -104,7 +108,7 @@ def split_length(
     reach = max(reach, floor)
     if periodic:
         return _repeated(reach, floor, NEAREST_IMAGE * min(size)) / cut
-    return max(min(reach, 1.01 * math.hypot(*size)), floor) / cut
+    return max(min(reach, LONGEST_REACH * math.hypot(*size)), floor) / cut
 
 
 def long_enough(

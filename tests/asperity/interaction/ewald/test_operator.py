@@ -104,6 +104,21 @@ def test_aligned_points_of_a_free_surface_do_not_act_on_themselves(x, m):
     assert np.abs(field - dense).max() < 2e-3 * own.min()
 
 
+@pytest.mark.parametrize("m", [-0.4, 0.0, 0.4])
+def test_few_points_of_a_free_surface_act_as_exactly_as_many(m):
+    """Errors of the mesh, up to 1.9 % of two and 0.5 % of three, do not average out among few."""
+    f = Footprints(1.0, m)
+    for seed in range(40):
+        y, x, k = scene(2 + seed % 4, m, seed, 0.001)
+        plan = Interaction(y, x, CELL, "free", f, widest=f.variance(k).max())
+        y, x, v = y[plan.order], x[plan.order], f.variance(k)[plan.order]
+        apart = np.hypot(y - y[:, None], x - x[:, None])
+        exact = dense_matrix(y, x, v, CELL, "free", f)
+        exact[apart == 0.0] = 0.0
+        found = plan.field(np.ones(len(y)), v).value
+        np.testing.assert_allclose(found, exact.sum(axis=1), rtol=1.5e-3)
+
+
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_moved_points_act_from_where_they_stand(boundary):
     """Also across the border of a cell that repeats."""
