@@ -48,13 +48,10 @@ class ContactShift:
         Growth of the contact area [-] with the square of 1 + m times the shift over the contact
         radius, at equal force, beside summits that are no paraboloid up to the contour (boundary
         elements, contact by contact: 1.2 to 1.9 for cut-offs from 4 to 16 pixels).
-    widest
-        This square [-] beyond which the area does not grow further.
     """
 
     largest: float = 0.5
     growth: float = 1.5
-    widest: float = 0.14
 
 
 @dataclass(frozen=True)

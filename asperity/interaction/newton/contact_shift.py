@@ -81,4 +81,4 @@ def widened(
     _, aside, _ = contact_shifts(footprints, law, approach, tilt, radii, fitted.largest)
     square = math.pi * footprints.power**2 * np.sum(aside * aside, axis=1)
     share = np.divide(square, law.area, out=np.zeros(len(square)), where=outgrown & (square > 0.0))
-    return np.asarray(law.area * (1.0 + fitted.growth * np.minimum(share, fitted.widest)))
+    return np.asarray(law.area * (1.0 + fitted.growth * share))

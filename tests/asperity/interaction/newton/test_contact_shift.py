@@ -150,6 +150,6 @@ def test_contacts_beside_rough_summits_are_wider(m):
         -tilt * (0.1 * aside / free)[:, None],
         rtol=1e-6,
     )
-    grown = 1 + FITTED.growth * np.minimum(((1 + m) * aside) ** 2, FITTED.widest) * rough
+    grown = 1 + FITTED.growth * ((1 + m) * aside) ** 2 * rough
     np.testing.assert_allclose(area, laws.area * grown, rtol=1e-6)
     assert (widened(body, laws, approach, 0 * tilt, radii, rough, FITTED) == laws.area).all()
