@@ -231,7 +231,7 @@ def _searched(
             guess = 0.5 * (low + high) if math.isfinite(low) else high - step
         step *= 2
         # far from the pressure a rough solve shows the way
-        rough = max(tolerance, SEARCH_TOLERANCE if abs(error) > 10 * SEARCH_TOLERANCE else 0.0)
+        rough = SEARCH_TOLERANCE if abs(error) > 10 * SEARCH_TOLERANCE else tolerance
         state = solve_at(state.continuation, guess, rough)
     if least <= 0.5 * tolerance:  # heights do not tell smaller loads apart
         return best
