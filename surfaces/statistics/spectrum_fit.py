@@ -22,6 +22,7 @@ __all__ = ["SpectrumFit", "fit_spectrum"]
 _SCATTER = 0.1  # deviation of a ring, in natural logarithms, that no model describes
 _SEGMENT = 3  # least rings of a part
 _DECADES = 0.5  # of a power law below which exponents of exact ones are off by 30 (0.02 above)
+_UNTOLD = 0.25  # standard deviation of an exponent that may be any from 0 to 1
 
 
 @dataclass(frozen=True)
@@ -88,10 +89,10 @@ class SpectrumFit:
                 f"the Hurst exponent {self.hurst:.2f} is not between 0 and 1: the spectrum is that "
                 "of no self-affine surface"
             )
-        if self.decades < _DECADES:
+        if self.decades < _DECADES or self.hurst_error > _UNTOLD:
             found.append(
-                f"the Hurst exponent {self.hurst:.2f} is that of {self.decades:.2g} decades of "
-                f"wavelengths: less than {_DECADES:g} do not tell it"
+                f"the Hurst exponent {self.hurst:.2f} +- {self.hurst_error:.2g} is that of "
+                f"{self.decades:.2g} decades of wavelengths, which do not tell it"
             )
         return found
 
