@@ -17,6 +17,9 @@ __all__ = ["indent"]
 
 Array = NDArray[np.float64]
 
+_MEANINGLESS = 0.3
+"""Relative error of the law "harmonic" from which on no answer is better: long contacts."""
+
 
 def indent(
     profile: PowerSumProfile | PolarProfile,
@@ -31,6 +34,7 @@ def indent(
     own = np.where(np.isfinite(first.force), first.error_estimate, np.inf)
     other = np.where(np.isfinite(second.force), second.error_estimate, np.inf)
     take = np.nan_to_num(own, nan=np.inf) <= np.nan_to_num(other, nan=np.inf)
+    take |= other > _MEANINGLESS
     names = ("force", "contact_area", "radius", "stiffness", "flags", "error_estimate")
     columns = {name: np.where(take, getattr(first, name), getattr(second, name)) for name in names}
     return replace(

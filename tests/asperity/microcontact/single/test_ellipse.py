@@ -203,13 +203,14 @@ def test_auto_chooses_by_the_expected_error():
 @pytest.mark.parametrize("m", [0.0, -0.4, 0.4])
 @pytest.mark.parametrize("ratio", [10, 30, 60, 200])
 def test_slender_contacts_are_exact_or_told(ratio, m, law):
-    """Contacts more slender than the tables reach were 12 % off at an error of 1e-15."""
+    """Contacts more slender than the tables reach were 12 % off at an error of 1e-15, and with
+    "auto" a tenth of the load at an error of 81 %."""
     body = PowerLawProfile(2, lambda phi: np.cos(phi) ** 2 + (np.sin(phi) / ratio) ** 2)
     half = asperity.HalfSpace.from_modulus(1.0, m)
     one = asperity.indent(body, half, 0.1, law=law)
     exact = asperity.indent(body, half, 0.1, law="hertz")
     error = abs(one.force / exact.force - 1)
-    assert error < 1e-3 or not one.valid or (one.flags > 0 and error < 3 * one.error_estimate)
+    assert error < 1e-3 or not one.valid or (one.flags > 0 and error < one.error_estimate)
 
 
 @pytest.mark.parametrize(("ratio", "m"), [(21.8, -0.4), (36.2, 0.0), (53.8, 0.4)])
@@ -236,5 +237,5 @@ def test_a_contact_that_would_pull_is_no_answer():
     phi = np.linspace(0, 2 * np.pi, 64, endpoint=False)
     body = PowerLawProfile(2, np.cos(phi) ** 2 + (np.sin(phi) / 20) ** 2)
     half = asperity.HalfSpace.from_modulus(1.0, -0.2)
-    assert not asperity.indent(body, half, 0.1, law="ellipse").valid
-    assert asperity.indent(body, half, 0.1, law="auto").force > 0
+    for law in ("ellipse", "auto"):
+        assert not asperity.indent(body, half, 0.1, law=law).valid
