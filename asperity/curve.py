@@ -42,19 +42,19 @@ from .errors import InputError
 
 __all__ = ["contact_curve", "solve_loads"]
 
-LOAD_TOLERANCE = 5e-2
-"""Bound on the residual under a load before its last Newton step, whose effect on load and area is
-a tenth of it or less (docs/development/interaction.md)."""
+RESIDUAL_UNDER_LOAD = 5e-2
+"""Bound on the residual under a load before the last Newton step. That step changes load and area
+by a tenth of the residual or less (docs/development/interaction.md)."""
 
-SEPARATION_TOLERANCE = 4e-3
-"""Bound on the residual at a separation, where no step follows."""
+RESIDUAL_AT_SEPARATION = 4e-3
+"""Bound on the residual at a separation, where no last Newton step follows."""
 
-TINY_LOAD = 0.2
-"""Term of contacts smaller than a pixel from which on a load point is warned of."""
+UNRESOLVED_WARNED = 0.2
+"""Smallest term `unresolved` (contacts smaller than a pixel) at which a load point is warned of."""
 
 OF_CONTACTS = "mean_pressure", "residual", "active", "filled_share"
 OF_SURFACE = "separation", "contact_area", "stiffness", "unloading"
-"""What a curve takes of the state of the contacts, and of the whole surface at it."""
+"""Columns of a curve that come from `LoadPoint.state`, and from `LoadPoint.surface`."""
 
 
 @cautious
@@ -91,17 +91,17 @@ def contact_curve(
         are estimated with "auto" and "ellipse" only, and NaN with the others, as with a lay of
         10:1 and more.
     interaction
-        False gives the classical sum of independent contacts; by how much its load at equal
-        separation differs from that of the same contacts with interaction is told in
-        `extra["interaction_difference"]`, and added to the error estimate.
+        False gives the classical sum of independent contacts. `extra["interaction_difference"]`
+        then holds how much its load at equal separation differs from the load of the same contacts
+        with interaction; the error estimate includes this difference.
     plan
         A plan made before by `make_plan`; overrides `law`, `interaction`, `boundary`, `scales`.
     boundary
         "periodic" or "free"; as the map says if None.
     scales
-        "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
-        others (`asperity.multiscale`), and other maps whose waves reach the pixel are solved on a
-        finer grid (`asperity.multiscale.wave_split`); "all": every summit of the map is a contact.
+        "auto": the finest waves of a broad random spectrum act as a law of the contacts of the
+        longer waves (`asperity.multiscale`); other maps whose waves reach the pixel are solved on
+        a finer grid (`asperity.multiscale.wave_split`). "all": every summit is a contact.
     progress
         True for a progress bar, or a function called with the state of every finished point.
     checkpoint
@@ -169,11 +169,10 @@ def solve_loads(
 ) -> tuple[ContactCurve, Decomposition, tuple[LoadPoint, ...]]:
     """The curve of a plan with the decomposed surface and the load points behind it.
 
-    Arguments are those of `contact_curve`; without a plan one is made with its defaults. A
-    decomposition of the plan that was made before is used as it is. The load points, which take
-    most of the memory, are left out unless they are to be kept.
+    Arguments are those of `contact_curve`; if there is no plan, `make_plan` makes one. A given
+    `decomposition` must be that of the plan. Load points take most memory: `keep` returns them.
 
-    The points are solved from light to heavy, so that each starts from the last. Where a contact
+    The points are solved from light to heavy, and each starts from the one before. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
     """
     kind, values = checked_loads(hm, material, pressures, separations)
@@ -214,12 +213,11 @@ def solve_loads(
 
 
 class _Row(NamedTuple):
-    """What the curve tells of a load point.
+    """One row of a curve: the numbers of one load point.
 
-    The numbers are of the contacts, of the whole surface and of its spots, by name; with
-    ``interaction_difference``, the load of independent contacts over that of interacting ones, less
-    one, or NaN if not known, where both are compared. The terms are those of its error estimate;
-    the reason says why the load point cannot be used, and is empty if it can.
+    `numbers` holds the columns `OF_CONTACTS`, `OF_SURFACE` and ``contacts`` by name, and for
+    independent contacts ``interaction_difference`` (`load_difference`). `terms` holds the terms of
+    the error estimate. `reason` says why the load point cannot be used; it is empty if it can.
     """
 
     numbers: dict[str, float]
@@ -230,12 +228,12 @@ class _Row(NamedTuple):
 def _sweep(
     decomposition: Decomposition, kind: str, values: NDArray[np.float64], comparing: bool
 ) -> Iterator[tuple[int, LoadPoint, _Row]]:
-    """The load points from light to heavy, each with its number and its row.
+    """Solve the load points from light to heavy: the index of each in `values`, its point, its row.
 
-    It ends early where a contact comes near the height below which nothing was segmented.
+    The sweep ends early where a contact comes near the height below which nothing was segmented.
     """
     by_load = kind == "pressure"
-    bound = LOAD_TOLERANCE if by_load else SEPARATION_TOLERANCE
+    bound = RESIDUAL_UNDER_LOAD if by_load else RESIDUAL_AT_SEPARATION
     heaviest = float(values.max()) if by_load else None
     nonrandom = nonrandomness(decomposition.hm)
     population = decomposition.population
@@ -250,14 +248,14 @@ def _sweep(
         else:
             asked: Any = {"pressure" if by_load else "separation": value, "tolerance": bound}
             state = None if last is None else handed_on(last.state, **asked)
-            del last  # its candidates go before others are listed
+            del last  # frees its list of candidates before the next list is made
             state = population.solve(state=state, heaviest=heaviest, **asked)
             point = load_point(decomposition, state)
             del state
         if not decomposition.deep_enough(point.state):
             return
         if comparing:
-            at: Any = {"separation": point.state.separation, "tolerance": SEPARATION_TOLERANCE}
+            at: Any = {"separation": point.state.separation, "tolerance": RESIDUAL_AT_SEPARATION}
             if interacting is not None:
                 interacting = handed_on(interacting, **at)
             interacting = decomposition.interacting.solve(state=interacting, **at)
@@ -280,14 +278,16 @@ def _curve(
     asked: dict[str, NDArray[np.float64]],
     seconds: float,
 ) -> ContactCurve:
-    """The curve of some load points of a map, asked for so, `seconds` after the run began."""
+    """The curve of the load points `rows`; `asked` holds the loads or separations asked for, and
+    `seconds` the time since the run began."""
     plan = decomposition.plan
     columns = {name: np.array([row.numbers[name] for row in rows]) for name in rows[0].numbers}
     pressure, tangent = columns["mean_pressure"], columns["stiffness"]
     converged = np.array([not row.reason for row in rows])
     area, separation = columns["contact_area"], columns["separation"]
     found = decomposition.hm.roughness
-    held = separation == found.highest - found.mean  # as far as a law of fine waves may lift it
+    # `surface_point` lifts the flat no higher than the highest point: no slope of a curve there
+    held = separation == found.highest - found.mean
     stiffness = curve_stiffness(pressure, separation, tangent, converged & ~held)
     weights = plan.parameters.error_estimate
     known = 0.0 if plan.law in CALIBRATED and plan.estimated else np.nan
@@ -296,10 +296,10 @@ def _curve(
         for fitted in (weights.load_weights, weights.area_weights)
     )
     warnings = [*plan.warnings, *decomposition.warnings(separation.min())]
-    tiny = sum(row.terms["unresolved"] > TINY_LOAD for row in rows)
-    if tiny:
+    small = sum(row.terms["unresolved"] > UNRESOLVED_WARNED for row in rows)
+    if small:
         warnings.append(
-            f"at {tiny} of {len(rows)} load points contacts are as small as a pixel of the map, "
+            f"at {small} of {len(rows)} load points contacts are as small as a pixel of the map, "
             "which does not tell their loads: take smaller pixels or more load"
         )
     body, yielded = decomposition.material, {}

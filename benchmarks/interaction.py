@@ -25,7 +25,7 @@ from common import least, options, rough
 
 import surfaces
 from asperity import HalfSpace, Population
-from asperity.curve import LOAD_TOLERANCE, SEPARATION_TOLERANCE
+from asperity.curve import RESIDUAL_AT_SEPARATION, RESIDUAL_UNDER_LOAD
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
@@ -187,7 +187,8 @@ def walk() -> None:
 
 def tolerance() -> None:
     """What the default tolerance of a curve does to it."""
-    print(f"ten loads to about 10 % contact, 512^2, seeds 5 and 6, tolerance {LOAD_TOLERANCE:g}:")
+    default = RESIDUAL_UNDER_LOAD
+    print(f"ten loads to about 10 % contact, 512^2, seeds 5 and 6, tolerance {default:g}:")
     print("largest relative differences from a fifty times smaller tolerance, percent")
     print("family            load at equal separation   area   stiffness   steps   products")
     for family, spectrum in FAMILIES.items():
@@ -198,7 +199,7 @@ def tolerance() -> None:
             for pressure in np.geomspace(5e-5, 5e-3, 10):
                 rough, exact = (
                     contacts.solve(pressure=float(pressure), state=state, tolerance=bound)
-                    for state, bound in ((rough, LOAD_TOLERANCE), (exact, 0.02 * LOAD_TOLERANCE))
+                    for state, bound in ((rough, default), (exact, 0.02 * default))
                 )
                 fall = (exact.separation - rough.separation) * exact.normal_stiffness
                 missed = (
@@ -235,7 +236,7 @@ def cost() -> None:
                 for separation in np.linspace(top, low, 50):
                     wall, busy = time.perf_counter(), time.process_time()
                     state = contacts.solve(
-                        separation=float(separation), state=state, tolerance=SEPARATION_TOLERANCE
+                        separation=float(separation), state=state, tolerance=RESIDUAL_AT_SEPARATION
                     )
                     rows.append(
                         (time.perf_counter() - wall, time.process_time() - busy, state.products)
