@@ -45,12 +45,12 @@ class Decomposition:
     hm, material, plan
         What it was made from.
     peaks, summits
-        Segmentation and summits; the rays of a summit are sampled when its law is made.
+        Segmentation and summits. Rays are sampled later, when `law_factory` makes a law.
     law_factory
         Makes the laws of the summits.
     curvature, angle
-        Principal curvatures [1/m], shape (n, 2), and direction of the long axis [rad], (n,), of
-        the contacts.
+        Principal curvatures [1/m], shape (n, 2), and direction of the long axis [rad], (n,), that
+        give the shape of each contact; those of joined summits differ from `summits.curvature`.
     table
         Contact laws, made when they are needed.
     seconds
@@ -106,8 +106,8 @@ class Decomposition:
         return Decomposition.of(self.hm, self.material, replace(self.plan, above=None))
 
     def of_hardness(self, material: HalfSpace) -> Decomposition:
-        """The decomposition with another hardness of the half-space; summits and elastic laws are
-        those of this one."""
+        """A decomposition with the hardness of `material`, which shares the summits and the
+        elastic laws of this one."""
         seconds = dict.fromkeys(self.seconds, 0.0)
         factory = self.law_factory.of_hardness(material, seconds)
         law = self.plan.sub_contact_law
@@ -141,23 +141,23 @@ class Decomposition:
 
     @functools.cached_property
     def interacting(self) -> Population:
-        """The contacts with interaction, where the plan leaves it out."""
+        """The contacts with interaction, whatever the plan says."""
         return self.population.coupled()
 
     @property
     def solved(self) -> HeightMap:
-        """The map whose summits are the contacts: on another grid where the plan says so."""
+        """The map whose summits are the contacts: the plan may have changed its grid."""
         return self.plan.solved(self.hm)
 
     @functools.cached_property
     def places(self) -> tuple[Array, Array]:
-        """Where the summits lie on the map, along y and along x [m], shape (n,) each."""
+        """Coordinates y and x [m] of the summits on `hm`, shape (n,) each."""
         down, right = self.corner
         return self.summits.y + down, self.summits.x + right
 
     @property
     def corner(self) -> tuple[float, float]:
-        """Where the corner of the map that is solved lies on the map, (y, x) [m]."""
+        """Coordinates (y, x) [m] on `hm` of the corner of the map `solved`."""
         return (0.0, 0.0) if self.plan.resampled is None else self.plan.resampled.corner
 
     @property
@@ -174,15 +174,16 @@ class Decomposition:
         return self.labels_at(rows[:, None], cols)
 
     def labels_at(self, rows: Rows, cols: Rows) -> NDArray[np.int32]:
-        """Peak whose basin holds some pixels of the map; -1 where not flooded.
+        """Peak whose basin holds each of the pixels `rows`, `cols` of `hm`; -1 where not flooded.
 
-        On a finer grid the middle of a pixel may lie between pixels: the highest of them counts.
+        The center of a pixel of `hm` may lie on the border between pixels of `solved`: the highest
+        of these pixels decides.
         """
         labels, heights = self.peaks.labels, self.solved.source
         if labels.shape == self.hm.shape:
             return np.asarray(labels[rows, cols])
         (below, above), (right, left) = (
-            # in halves of what divides the pixels of both grids, on which their corners lie
+            # integers: both grids have their corners on a common grid, of which half steps count
             [
                 ((2 * at + 1) * m - round(2 * n * corner / step) - shift) // (2 * n) % m
                 for shift in (0, 1)
@@ -209,8 +210,8 @@ class Decomposition:
 
     @functools.cached_property
     def passes(self) -> tuple[NDArray[np.int32], Array]:
-        """Pairs of summits whose basins adjoin, (n, 2), and the mean depth [m] of the pass between
-        them under both, (n,)."""
+        """Pairs of summits whose basins adjoin, (n, 2), and the depth [m] of the pass between them
+        below the mean of the two heights, (n,)."""
         summits = self.summits
         pairs = summits.single.astype(np.int32)[summits.peaks.neighbors]
         apart = pairs[:, 0] != pairs[:, 1]
@@ -221,7 +222,8 @@ class Decomposition:
         return pairs, np.asarray(depth + sag)
 
     def summit_pixels(self, rows: Rows, hm: HeightMap) -> Rows:
-        """Flat index of the pixel of the map, or of that solved, in which each summit lies."""
+        """Flat index of the pixel of `hm`, which is `self.hm` or `self.solved`, that holds each of
+        the summits `rows`."""
         places = (self.summits.y, self.summits.x) if hm is self.solved else self.places
         row, col = (
             np.floor(at[rows] / step).astype(np.int64)
@@ -235,11 +237,12 @@ class Decomposition:
 
     @functools.cached_property
     def top_areas(self) -> Array:
-        """Area [m^2] of a disc that spreads as far as the flat top of each summit, shape (n,).
+        """Area [m^2] of the disc with the second moment of the flat top of each summit, shape (n,).
 
-        The points of a top have the height of the highest beside the summit; without such points,
-        and where the finest waves are random and act as a law, the area is 0. A disc of area A has
-        the mean squared distance A/(2 pi) from its middle.
+        The flat top are the points of the basin as high as the highest of the nine pixels about the
+        summit. Their mean squared distance r^2 from the summit gives the area 2 pi r^2, since a
+        disc of area A has A/(2 pi). The area is 0 if no neighbors have the same height
+        (`HeightMap.repeats`), and if a law stands for the finest waves, which are random.
         """
         hm, count = self.hm, len(self.summits)
         if not hm.repeats or self.plan.sub_contact_law is not None:
@@ -263,7 +266,7 @@ class Decomposition:
         return np.asarray(2.0 * np.pi * total / np.maximum(points, 1))
 
     def warnings(self, separation: float) -> list[str]:
-        """Warnings of load points down to a separation [m], besides those of the plan."""
+        """Warnings that load points down to a separation [m] add to those of the plan."""
         height = self.population.height[sorted(self.law_factory.without)]
         silent = int(np.count_nonzero(height > separation))
         if not silent:
@@ -279,7 +282,7 @@ class Decomposition:
 
 
 def _summits(hm: HeightMap, plan: Plan, seconds: dict[str, float]) -> tuple[Peaks, Summits]:
-    """Peaks and summits of the map that is solved; their times are added to `seconds`."""
+    """Peaks and summits of the map that is solved; adds the times of both to `seconds`."""
     start = time.perf_counter()
     solved = plan.solved(hm)
     if plan.boundary == "free" and solved.periodic:

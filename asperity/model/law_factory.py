@@ -32,18 +32,20 @@ __all__ = ["LawFactory"]
 Rows = NDArray[np.int64]
 
 CORRECTIONS = {"sharp_tips": sharp_tips.correct, "pressed_basins": pressed_basins.correct}
-"""What changes the laws of single contacts, in this order: switch (`parameters.Corrections`) and
-function."""
+"""Corrections of single laws in the order in which they are applied: the switch in
+`parameters.Corrections`, and the function."""
 
 
 class LawFactory:
-    """Laws of summits by their rows; without `shares` they are not corrected. The time [s] of
-    profiles and laws is added to `seconds`.
+    """Makes the laws of the summits of one map.
+
+    Laws are corrected only if there are load `shares`, that is with the law `auto`. The factory
+    adds the time [s] of profiles and of laws to `seconds`.
 
     Attributes
     ----------
     without
-        Summits asked for so far that have no contact by the law, and carry nothing.
+        Summits for which the law gave no contact so far; they carry no load.
     """
 
     def __init__(
@@ -62,24 +64,24 @@ class LawFactory:
         self._elastic = self._table(self._without_hardness, material.hardness < math.inf)
 
     def of_hardness(self, material: HalfSpace, seconds: dict[str, float]) -> LawFactory:
-        """A factory for another hardness, which takes the elastic laws from here."""
+        """A factory for another hardness, which shares the elastic laws of this one."""
         other = copy.copy(self)
         other.material, other.seconds = material, seconds
         return other
 
     def all_laws(self) -> LazyTable:
-        """A table of the laws of all summits, which are made when they are needed."""
+        """A lazy table of the laws of all summits: a law is made when it is needed."""
         if self.material.hardness == math.inf:
             return self._elastic
         return self._table(self._with_hardness)
 
     def _table(self, make: Callable[[Rows], LawTable], whole: bool = False) -> LazyTable:
-        """A table of all summits: on disk where their map is."""
+        """A lazy table of all summits, on disk if their map is."""
         summits, stored = self.summits, isinstance(self.summits.hm.source, StoredArray)
         return LazyTable(len(summits), make, whole=whole, near=summits.near, stored=stored)
 
     def _with_hardness(self, rows: Rows) -> LawTable:
-        """Laws with the hardness of the half-space of the summits `rows`, in that order."""
+        """Laws of the summits `rows`, in that order, capped by the hardness of the material."""
         elastic = joined([block for _, block in self._elastic.blocks(rows)])
         begun = time.perf_counter()
         table = capped_table(elastic, self.material)
@@ -87,7 +89,7 @@ class LawFactory:
         return table
 
     def _without_hardness(self, rows: Rows) -> LawTable:
-        """Laws without a hardness of the summits `rows`, in that order."""
+        """Elastic laws of the summits `rows`, in that order, with their corrections."""
         begun = time.perf_counter()
         sampled = self.summits.rows(rows)
         between = time.perf_counter()
@@ -105,7 +107,8 @@ class LawFactory:
         return table
 
     def _require_top(self, rows: Rows, table: LawTable) -> None:
-        """Refuse a law that does not hold for the highest summit, without which nothing is told."""
+        """Record the summits `rows` without a contact; refuse the law if the highest is one: a
+        curve without it would be wrong from the first touch on."""
         summits = self.summits
         none = rows[summits.valid[rows] & ~((table.reach > 0) & (table.force[:, -1] > 0))]
         self.without.update(none.tolist())

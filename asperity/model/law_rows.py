@@ -1,4 +1,4 @@
-"""The laws of some summits of a map, as corrections see them, and the loads that summits carry."""
+"""The input of a correction: the laws of some summits, and the load shares of all summits."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ __all__ = ["LawRows", "LoadShares"]
 Array = NDArray[np.float64]
 
 MOST_SUMMITS = 200
-"""Summits above the flat at which no contact is looked at any more."""
+"""Highest summits whose loads are summed. Load shares are known while the flat stands above the
+last of them; no correction looks at a contact below."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,13 +33,15 @@ class LawRows:
     Attributes
     ----------
     table
-        The laws, which nobody else holds.
+        Laws of the summits `rows`. A correction changes this table in place.
     rows
-        Summits that they belong to, shape (k,).
+        Index of each of these summits among all, shape (k,).
     profiles
-        Their rays.
-    summits, shares, material, parameters
-        All summits, the loads that they carry, the half-space, and the constants of the model.
+        Sampled rays of the summits `rows`.
+    summits, shares
+        All summits of the map, and their load shares.
+    material, parameters
+        The half-space, and the constants of the model.
     """
 
     table: LawTable
@@ -52,22 +55,22 @@ class LawRows:
 
 @dataclass(frozen=True, eq=False)
 class LoadShares:
-    """The highest summits of a map, with the loads that they carry under a flat.
+    """Share of the total load that each summit of a map carries.
 
     Attributes
     ----------
     weight
-        Load of each summit over its approach to the power 3/2, but for a common factor, shape (n,).
+        Square root of the summit radius [m^1/2], shape (n,), to which a Hertz load is proportional.
     height, first
-        Heights [m] of the `MOST_SUMMITS` highest valid summits, from the highest down, and their
-        weights.
+        Heights [m] and weights of the `MOST_SUMMITS` highest valid summits, from the highest down.
 
     Notes
     -----
-    The loads are those of independent Hertz contacts. A mean displacement of the body moves all
-    summits alike and leaves the shares of the load at a given depth of one contact as they are.
-    The shares follow from the map alone: they do not depend on the loads that are asked for, and a
-    curve has no steps where contacts enter or leave them.
+    Every summit carries the load of an independent Hertz contact, F_i = (4/3) E* sqrt(R_i) d_i^1.5
+    at the approach d_i; the common factor 4/3 E* cancels. A mean displacement of the body lowers
+    all d_i alike, so the share of a contact at a given approach does not depend on it. The shares
+    follow from the map alone: they do not depend on the loads that are asked for, so a curve has no
+    steps where a contact passes a bound on its share.
     """
 
     weight: Array
@@ -76,8 +79,11 @@ class LoadShares:
 
     @classmethod
     def of(cls, summits: Summits, among: LoadShares | None = None) -> LoadShares:
-        """The shares of the summits of a map: of their own load, or of that of those `among` which
-        they stand."""
+        """Load shares of the summits of a map.
+
+        The total load is that of these summits, or that of `among`, the summits of the whole map,
+        if the map is a part of it.
+        """
         weight = _weight(summits)
         if among is not None:
             return replace(among, weight=weight)
@@ -86,27 +92,30 @@ class LoadShares:
         return cls(weight, summits.height[highest], weight[highest])
 
     def lowered(self, level: float) -> LoadShares:
-        """The same with heights above another level [m]."""
+        """These shares with `height` measured from the height `level` [m]."""
         return replace(self, height=self.height - level)
 
     @property
     def full(self) -> bool:
-        """Whether there are so many summits that a lower one cannot change the shares."""
+        """Whether `MOST_SUMMITS` summits are known: summits below them do not change the shares."""
         return len(self.height) == MOST_SUMMITS
 
     @property
     def lowest(self) -> float:
-        """Height [m] of the flat down to which loads are known."""
+        """Lowest height [m] of the flat at which the total load is known."""
         return float(self.height[-1]) if self.full else -np.inf
 
     def load(self, flat: Array) -> Array:
-        """Load of all summits under flats at heights [m], in the unit of `weight`."""
+        """Total load over (4/3) E*, in m^2, under flats at the heights `flat` [m]."""
         over = np.maximum(self.height - flat[..., None], 0.0)
         return np.asarray((over * np.sqrt(over)) @ self.first)
 
 
 def _weight(summits: Summits) -> Array:
-    """Root of the mean radius [m^1/2] of summits, of peaks without one that of the others."""
+    """Square root of the summit radius [m^1/2], R = (k1 k2)^-1/2 of the principal curvatures.
+
+    A peak without a summit (plateau, ridge) gets the median of the others.
+    """
     weight = np.prod(summits.curvature, axis=1) ** -0.25
     none = summits.kinds != SUMMIT
     if none.any() and not none.all():

@@ -1,4 +1,4 @@
-"""One load point of a surface: its contacts, their spots, and the whole surface at their state."""
+"""One load point: the state of the contacts, the whole surface at this state, and the spots."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ __all__ = [
 Array = NDArray[np.float64]
 
 MAX_TRIES = 12
-"""Separations of the longer waves tried for one of the whole surface."""
+"""Separations of the longer waves tried to reach one separation of the whole surface."""
 
 LOAD_ERROR = 5e-4
-"""Relative error of the load that a separation may leave."""
+"""Relative error of the load at which the search for a separation of the whole surface ends."""
 
 END_TO_END = "the contacts on the ridges of the lay are so long that they overlap end to end"
-"""Why a load point is refused, and all heavier ones with it."""
+"""Reason for which a load point and all heavier ones are refused."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,8 @@ class LoadPoint:
     Attributes
     ----------
     state
-        The contacts.
+        State of the contacts. Without a sub-contact law they hold all waves of the map, with one
+        only the longer waves.
     surface
         Separation, contact area and stiffness of the whole surface.
     closed_area
@@ -72,8 +73,8 @@ class LoadPoint:
 
     @property
     def end_to_end(self) -> bool:
-        """Whether it is refused for long contacts that overlap, as they do under any heavier load:
-        none of these is solved, which may take minutes."""
+        """Whether the point is refused for long contacts that overlap end to end. They overlap
+        under any heavier load too, so the curve solves none of these: that may take minutes."""
         return self.reason == END_TO_END
 
 
@@ -98,13 +99,16 @@ def point_at_separation(
     last: LoadPoint | None,
     tolerance: float,
 ) -> LoadPoint:
-    """The load point at which the flat is at a separation [m] from the whole surface, from the
-    `last` one, of a near separation; `tolerance` as in `Population.solve`.
+    """The load point at which the flat stands at a separation [m] from the whole surface.
+
+    The search starts from the `last` load point, if there is one; `tolerance` as in
+    `Population.solve`.
 
     Notes
     -----
-    The fine waves lift the flat; the lift changes slowly with the load, so that the secant of the
-    separation of the longer waves is near the step itself.
+    The fine waves lift the flat: the separation of the whole surface is that of the longer waves
+    plus the lift. A secant search finds the separation of the longer waves. As the lift changes
+    slowly with the load, each secant step is near the error itself.
     """
     lift = 0.0 if last is None else last.surface.separation - last.state.separation
     state = None if last is None else last.state
@@ -114,7 +118,7 @@ def point_at_separation(
         point = load_point(decomposition, state)
         error = separation - point.surface.separation
         close = abs(error) * point.surface.stiffness <= LOAD_ERROR * state.mean_pressure
-        # refused nearer than the flat shall be, it is not refused there
+        # a refusal of a flat that stands too low (error > 0) does not hold at the separation asked
         refused = not state.converged and not error > 0.0
         if refused or (error >= 0.0 if state.active == 0 else close):
             return point
@@ -139,19 +143,20 @@ def load_difference(alone: LoadPoint, interacting: PopulationState) -> float:
 
 
 def plastic_share(load: Array, area: Array, hardness: float) -> Array:
-    """Share of contact areas [m^2] under loads [N] whose pressure is the hardness [Pa].
+    """Share of the contact area that bears the hardness [Pa], of loads [N] on areas [m^2].
 
     Notes
     -----
-    The cube of mean contact pressure over hardness: boundary elements give up to 0.1 less for
-    H/(E* h') from 0.02 to 1, at 0.2 to 15 % of contact (docs/development/hardness.md).
+    The cube of mean contact pressure over hardness, (p/H)^3, a fit: boundary elements give up to
+    0.1 less for H/(E* h') from 0.02 to 1, at 0.2 to 15 % of contact
+    (docs/development/hardness.md).
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.nan_to_num(np.minimum(load / (area * hardness), 1.0) ** 3))
 
 
 def _refusal(decomposition: Decomposition, state: PopulationState, surface: SurfacePoint) -> str:
-    """Why a point that was solved lies beyond what separate contacts describe; empty if not."""
+    """Why separate contacts do not describe a point that was solved; empty if they do."""
     plan = decomposition.plan
     if state.mean_pressure > 0.0 and not surface.contact_area > 0.0:
         return "the contacts carry a load on no area: their laws do not hold there"
@@ -171,18 +176,19 @@ def _refusal(decomposition: Decomposition, state: PopulationState, surface: Surf
 
 
 def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
-    """Number of separate spots: of what touches on the pixels of the map, where pixels that meet at
-    an edge or a corner belong together, as boundary elements on these pixels count them.
+    """Number of contact spots that boundary elements on the pixels of the map would count, where
+    pixels that meet at an edge or a corner belong to one spot.
 
     Notes
     -----
-    Contacts of adjoining basins have joined where their mean approach is 1.6 times the mean depth
-    of the pass under their summits (1.7 for two equal summits in a double well, boundary elements:
-    docs/development/errors.md). Where the finest waves act as a law, contacts of the area A that
-    stay closed on its share f and cover the share P of the map are parted into
-    0.35 P^-0.23 (1 - f)/f more spots per wave, A (q/2 pi)^2 waves of the mean wave number q of the
-    fine waves.
-    The constants were found on seeds 1, 2 and 11 (docs/development/errors.md).
+    Contacts of adjoining basins have joined where the mean of their approaches exceeds 1.6 times
+    the depth of the pass below their summits (1.7 for two equal summits in a double well, boundary
+    elements). A sub-contact law parts contacts into more spots, per wave of its mean wave number q
+
+        0.35 P^-0.23 (1 - f)/f,   of A (q/2 pi)^2 waves,
+
+    where the contacts have the area A, cover the share P of the map, and touch on the share f of A.
+    Both are fits on seeds 1, 2 and 11 (`parameters.constants.Spots`, docs/development/errors.md).
     """
     fitted = decomposition.plan.parameters.spots
     first = spot_of_contacts(decomposition, point)
@@ -197,16 +203,20 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
 
 
 def spot_of_contacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.int64]:
-    """The spot of each contact, shape (n,): the first of the contacts that have joined it over the
-    passes between them; -1 without contact."""
+    """Spot of each contact, shape (n,): the lowest index of the contacts that have joined in it; -1
+    for a summit without contact."""
     fitted = decomposition.plan.parameters.spots
     pairs, depth = decomposition.passes
-    each = _each(decomposition.summits, point.state)
-    return np.asarray(joined_spots(pairs, 2.0 * fitted.joined * depth, *each))
+    single = _single_contacts(decomposition.summits, point.state)
+    return np.asarray(joined_spots(pairs, 2.0 * fitted.joined * depth, *single))
 
 
-def _each(summits: Summits, state: PopulationState) -> tuple[Array, Array]:
-    """Approaches [m] and areas of all summits, (n,), some for those that were joined to others."""
+def _single_contacts(summits: Summits, state: PopulationState) -> tuple[Array, Array]:
+    """Approaches [m] and areas [m^2] of all summits, (n,).
+
+    A summit that was joined to another has no state of its own: its approach follows from the
+    heights of both, and while that is positive it gets the area of the other.
+    """
     lost = np.flatnonzero(summits.owner != summits.single)
     into = summits.owner[lost]
     approach, area = state.approach.copy(), state.area.copy()
@@ -219,10 +229,10 @@ def _each(summits: Summits, state: PopulationState) -> tuple[Array, Array]:
 def joined_spots(
     pairs: NDArray[np.int32], depth: Array, approach: Array, area: Array
 ) -> NDArray[np.int64]:
-    """First contact of the spot that each contact belongs to, -1 without area, shape (n,).
+    """Spot of each contact, shape (n,): its contact of lowest index; -1 for a contact without area.
 
-    The contacts of each of the `pairs` (k, 2) have joined where their approaches [m] add up to more
-    than its `depth` [m].
+    The two contacts of a pair, `pairs` (k, 2), have joined if the sum of their approaches [m]
+    exceeds the `depth` [m] of the pair, (k,). Spots are found by union-find.
     """
     parent = np.empty(area.size, np.int64)
     for i in range(area.size):

@@ -1,4 +1,4 @@
-"""What a scene needs and what is left out, decided from the input before anything runs."""
+"""The plan of a run: what is solved and what is left out, decided from map, material and loads."""
 
 from __future__ import annotations
 
@@ -42,25 +42,25 @@ if TYPE_CHECKING:
 __all__ = ["SCALES", "Plan", "interaction_needed", "make_plan", "peaks_above", "require_plan"]
 
 SCALES = ("auto", "all")
-"""What may become of the finest waves of a map."""
+"""Treatments of the finest waves of a map (`contact_curve`)."""
 
 POINT_BYTES = 64
-"""Peak memory of the model per grid point in memory: heights, order, labels, ancestors."""
+"""Bytes of peak memory per point of a map in memory: heights, order, labels, ancestors."""
 
 STRIPS = 2**27
 PEAK_BYTES, CONTACT_BYTES = 400, {"periodic": 1_150, "free": 1_800}
-"""Memory of the model of a map on disk: of its strips; per summit, and as much while summits are
-found; per contact that may close while loads are solved (docs/development/interaction.md)."""
+"""Bytes of memory for a map on disk: for its strips; for each summit, once to keep and once more
+while summits are found; for each contact that may close (docs/development/interaction.md)."""
 
 HEIGHTS_OVER_AREA = 4.0
-"""Share of the heights above the lowest flat, over that of the area in contact."""
+"""Share of the heights that the flat may pass, over the expected area fraction."""
 
 LEAST_POWER = 3e-3
-"""1 + m of the half-space below which the footprint of a force, which keeps 2 % of the compliance
-of its contact outside, is a thousand times as wide as the contact: 1.02^(1/(1 + m))."""
+"""Least 1 + m of the half-space. Below it a footprint, which has all but 2 % of the compliance of
+its contact, would be a thousand times as wide as the contact: 1.02^(1/(1 + m))."""
 
 QUANTILE_SAMPLE = 2**16
-"""Heights that suffice for a quantile."""
+"""Number of heights that a quantile is taken from."""
 
 
 @dataclass(frozen=True)
@@ -80,23 +80,22 @@ class Plan:
     reasons
         One line for each choice.
     resampled
-        The map on another grid, solved in its place; None: the map itself.
+        The map on another grid, which is solved; None: the map itself is solved.
     sub_contact_law
-        Law of the waves that the grid does not hold; None if it holds them all.
+        Law of the waves that the map on the other grid leaves out; None if it holds them all.
     warnings
-        One line for each finding of the map checks: why any model of the map may be wrong.
+        One line for each finding of the map checks.
     estimated
-        Whether errors are estimated: not on a long lay, nor where the sides of the cell do not
-        meet.
+        Whether errors are estimated: not on a long lay, nor on a periodic map with a step across
+        its border.
     seconds
         Time of the decisions [s].
     scene
-        The map and the material that it was made for.
+        Map and material that the plan was made for.
     parameters
         Constants of the model.
     among
-        Summits of whose load contacts carry a share, where the map is part of another; None: its
-        own.
+        Load shares of the whole map, if the planned map is a part of it; None: the map is whole.
 
     Examples
     --------
@@ -123,12 +122,12 @@ class Plan:
     among: LoadShares | None = field(default=None, repr=False, compare=False)
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
-        """Refuse the plan for a map or material whose other grid or fine law it does not hold.
+        """Refuse a map or a material that the plan does not hold for.
 
         Raises
         ------
         InputError
-            If the results would be those of another scene.
+            If the plan holds the resampled map of another map, or the law of another material.
         """
         if self.resampled is None or self.scene is None:
             return
@@ -142,11 +141,11 @@ class Plan:
 
     @property
     def whole(self) -> Plan:
-        """The same choices for all heights and waves of a map, on its own grid."""
+        """This plan with all heights and waves of a map on its own grid."""
         return replace(self, above=None, resampled=None, sub_contact_law=None, among=None)
 
     def solved(self, hm: HeightMap) -> HeightMap:
-        """The map that is solved in place of that of the plan."""
+        """The map that is solved for `hm`, the map of the plan."""
         return hm if self.resampled is None else self.resampled.hm
 
     def __str__(self) -> str:
@@ -197,7 +196,7 @@ def make_plan(
     if scales not in SCALES:
         raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")
     require_scene(hm, material)
-    # wanted at the end; passes over the map wait for memory, and a solve leaves a thread idle
+    # results need the digest at the end; another thread computes it now, as a solve leaves one idle
     parallel.aside(functools.partial(getattr, hm, "digest"))
     _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
@@ -277,7 +276,7 @@ def _require_usable(hm: HeightMap, material: HalfSpace) -> None:
 
 
 def require_plan(plan: object) -> None:
-    """Refuse what is no plan."""
+    """Refuse an argument `plan` that is not a `Plan`."""
     if not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
 
@@ -285,7 +284,12 @@ def require_plan(plan: object) -> None:
 def interaction_needed(
     hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray, parameters: Parameters
 ) -> tuple[bool, str]:
-    """Whether neighbors matter at load points as `checked_loads` gives them, and why."""
+    """Whether contacts displace each other at load points of `checked_loads`, and why.
+
+    One contact of radius R = l/h' (`slope_scale`) under the largest load F has the approach
+    d = (9 F^2 / (16 E*^2 R))^(1/3) (Hertz) and displaces a neighbor at the distance l by
+    u = F / (pi E* l) (Boussinesq). Interaction is off if u < `limits.negligible_shift` d.
+    """
     if kind != "pressure" or material.m != 0.0:
         return True, "interaction: on"
     force = float(values.max()) * hm.area
@@ -306,7 +310,8 @@ def interaction_needed(
 def _lowest_height(
     hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray, bounds: Segmentation
 ) -> tuple[float | None, str]:
-    """Height under which no summit is expected to touch, relative to the mean plane."""
+    """Height [m] above the mean plane below which no summit is expected to touch, None for the
+    whole map, and why."""
     whole = None, "segmentation: the whole map, the load may reach deep"
     sample = _sample(hm)
     if kind == "pressure":
@@ -325,7 +330,7 @@ def _lowest_height(
 
 
 def _lowest_flat(hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray) -> float:
-    """Separation [m] to which the load points may go at most."""
+    """Lowest separation [m] that the load points may reach."""
     if kind != "pressure":
         return float(values.min())
     share = HEIGHTS_OVER_AREA * expected_area_fraction(hm, material, float(values.max()))
@@ -333,11 +338,11 @@ def _lowest_flat(hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarr
 
 
 def peaks_above(hm: HeightMap, above: float | None) -> int:
-    """Peaks of a map above a height [m] relative to the mean plane; None counts all."""
+    """Expected number of peaks above a height [m] over the mean plane; None counts all."""
     return expected_peaks(hm, -np.inf if above is None else above + hm.roughness.mean)
 
 
 def _sample(hm: HeightMap) -> NDArray[np.float64]:
-    """Heights [m] above the mean plane of so many points that they tell a quantile."""
+    """Heights [m] above the mean plane of about `QUANTILE_SAMPLE` points of the map."""
     step = max(1, int(np.sqrt(math.prod(hm.shape) / QUANTILE_SAMPLE)))
     return hm.source[::step, ::step].ravel() - hm.roughness.mean
