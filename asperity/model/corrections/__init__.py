@@ -1,1 +1,1 @@
-"""Corrections of contact laws, a module each, named as the switch (`asperity.parameters`)."""
+"""Corrections of the model: one module for each switch of `asperity.parameters.Corrections`."""

@@ -1,4 +1,4 @@
-"""Contacts that join while they carry much of the load: they are pressed as one."""
+"""Pairs of contacts that join while they carry much of the load: one contact replaces them."""
 
 from __future__ import annotations
 
@@ -25,16 +25,17 @@ Rows = NDArray[np.int64]
 def join(
     summits: Summits, shares: LoadShares, material: HalfSpace, parameters: Parameters
 ) -> tuple[Summits, Array, Array]:
-    """Summits of which those whose contacts join while they carry much of the load are one.
+    """Join the summits whose contacts grow together while they carry much of the load.
 
-    Of a group that reaches too far to be pressed as one, the pairs that join last stay apart.
+    If boundary elements cannot press a joined group, because it reaches too far, the pairs of the
+    group that join last are left apart, and the rest is tried again.
 
     Returns
     -------
     summits, curvature, angle
-        The summits, and the forms of their contacts: principal curvatures [1/m], shape (n, 2), and
-        direction of the long axis [rad], (n,), of joined ones those of a summit with a contact of
-        their moments.
+        The summits, and the shapes of their contacts: principal curvatures [1/m], shape (n, 2), and
+        direction of the long axis [rad], (n,). A joined contact has the curvatures of the summit
+        whose Hertz contact has the same second moments.
     """
     pairs, approach, low = _joining(summits, shares, parameters)
     while len(pairs):
@@ -54,8 +55,8 @@ def join(
 def _joining(
     summits: Summits, shares: LoadShares, parameters: Parameters
 ) -> tuple[Rows, Array, Array]:
-    """Pairs of summits, (k, 2), that join while they carry much of the load; the approaches [m] of
-    both, (k, 2), and how far down [m] their basins hang together, (k,)."""
+    """Pairs of summits that join while they carry much of the load, (k, 2); the approaches [m] of
+    both as they join, (k, 2); the height [m] down to which their basins count as one, (k,)."""
     bounds = parameters.joined_pairs
     pairs = summits.owner[summits.peaks.neighbors]
     top, low = summits.height[pairs], summits.peaks.passes
@@ -70,8 +71,12 @@ def _joining(
 
 
 def _forms(summits: Summits, rows: Rows, moments: Array) -> tuple[Array, Array]:
-    """Principal curvatures [1/m] and directions [rad] of summits, where those of some have contacts
-    of the moments yy, xx, yx, shape (3, k); their own where the moments are those of no area."""
+    """Principal curvatures [1/m] and directions [rad] of all summits; the contacts of the summits
+    `rows` have the second moments yy, xx, yx, shape (3, k), of their area.
+
+    Hertz contacts have b/a = (k2/k1)^`ASPECT_EXPONENT`, and the moments are as a^2 and b^2. The
+    geometric mean of the curvatures stays. Moments of no area change nothing.
+    """
     curvature, angle = summits.curvature.copy(), summits.angle.copy()
     yy, xx, yx = moments
     mean, skew = 0.5 * (yy + xx), np.hypot(0.5 * (yy - xx), yx)

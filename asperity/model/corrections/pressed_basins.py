@@ -1,4 +1,5 @@
-"""Contacts that carry much of the load beyond their expansion: their basins are pressed alone."""
+"""Contacts that carry much of the load where their expansion no longer holds: boundary elements
+press their basins alone."""
 
 from __future__ import annotations
 
@@ -17,21 +18,22 @@ if TYPE_CHECKING:
 __all__ = ["correct", "pressed_slots"]
 
 LEAST_EXPANSION_NODE = 5
-"""Node to which the expansion of a smooth summit holds at least."""
+"""Last node of the law table at which the expansion of a smooth summit can fail: a summit whose
+expansion fails here or before counts as rough."""
 
 NODES_BEYOND = np.array([0, 1, 3, 6])
-"""Nodes of a table beyond the expansion at which the share is looked at."""
+"""Nodes after the first one beyond the expansion, at which the load share is compared."""
 
 
 def correct(laws: LawRows) -> None:
-    """Put laws of basins pressed alone in the place of those of contacts of large load share."""
+    """Replace the laws of contacts of large load share by those of basins pressed alone."""
     slots = pressed_slots(laws)
     put(laws.table, slots, laws.summits, laws.rows[slots], laws.material)
 
 
 def pressed_slots(laws: LawRows) -> NDArray[np.int64]:
-    """Slots of the table whose law has to be exact: of joined summits, and of contacts that carry
-    more than their share beyond the expansion."""
+    """Rows of the table whose law boundary elements make: joined summits, and contacts whose load
+    share exceeds its bound at one of the nodes beyond the expansion."""
     bounds, shares, table = laws.parameters.pressed_basins, laws.shares, laws.table
     summits, rows = laws.summits, laws.rows
     beyond = (table.flags & Flag.BEYOND_RADIUS) > 0

@@ -1,4 +1,4 @@
-"""Tips between two nodes of their rays: what the law says of them is no longer trusted."""
+"""Tips narrower than the first step of their rays: their laws state larger errors."""
 
 from __future__ import annotations
 
@@ -15,8 +15,12 @@ __all__ = ["correct"]
 
 
 def correct(laws: LawRows) -> None:
-    """Raise the expected errors of contacts that reach little beyond a tip between two nodes, and
-    mark them as beyond what the expansion describes."""
+    """Raise the expected error of contacts on such tips, and flag them `BEYOND_RADIUS`.
+
+    A tip is sharp if q at node 0 of the rays (the limit of the gap over r^2) exceeds `ratio` times
+    q at node 1. The missed share of the force is taken as (q0/q1 - 1) times the area within node 1
+    over the contact area.
+    """
     bounds, profiles, table = laws.parameters.sharp_tips, laws.profiles, laws.table
     tip, first = (profiles.q[:, :, node].mean(axis=1) for node in (0, 1))
     ratio = tip / np.maximum(first, np.finfo(float).tiny)

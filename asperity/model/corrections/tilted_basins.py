@@ -1,5 +1,5 @@
-"""Contacts on basins that the field of the others tilts, or that have yielded: they get the area of
-the tilted basin under their force.
+"""Areas of contacts whose basins the field of the other contacts tilts, or that have yielded: each
+is pressed anew on its tilted basin, under its force.
 """
 
 from __future__ import annotations
@@ -34,23 +34,22 @@ def correct(
     state: PopulationState,
     fitted: TiltedBasins,
 ) -> PopulationState:
-    """State of which the contacts on tilted basins have the areas of these; forces do not change.
+    """The state with the areas of contacts on tilted basins corrected; forces do not change.
 
     Notes
     -----
-    A contact counts as on a tilted basin where the shift of a paraboloid by the gradient of the
-    field, R |g| over the contact radius, is large and the contact reaches beyond the paraboloid of
-    its summit. If such contacts hold much of the area, each is pressed anew with its force on the
-    next summit uphill of its basin, which the gradient has tilted
+    The gradient g of the field would shift the contact on a paraboloid of radius R by R |g|. A
+    basin counts as tilted if this shift is large beside the contact radius and the contact reaches
+    beyond the paraboloid of its summit. If contacts on tilted basins hold much of the area, the
+    basin of each is tilted by g, and its force presses the next summit uphill
     (docs/development/interaction.md).
 
-    The elastic contact of the same area, from which the law of a yielded contact is made, may have
-    another shape. Where contacts have yielded, those of large area that reach beyond the paraboloid
-    of their summit are therefore pressed by elements under the hardness, the largest first, until
-    their laws are confirmed (docs/development/hardness.md); none where the area of all is about the
-    load over the hardness.
-    Their contact radius is that of the elastic contact of the same area: how far a basin is tilted
-    is no matter of what has yielded.
+    The law of a yielded contact is made from the elastic contact of the same area, which may have
+    another shape. If contacts have yielded, boundary elements under the hardness therefore press
+    those of large area that reach beyond the paraboloid, the largest first, until the laws are
+    confirmed (docs/development/hardness.md). If the total area is near its lower bound, the load
+    over the hardness, none is pressed. The contact radius in R |g| is that of the elastic contact
+    of the same area: yielding does not change how far a basin tilts.
     """
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
@@ -95,9 +94,13 @@ def _yielding(
     changes: Callable[[Rows, Array], Array],
     fitted: TiltedBasins,
 ) -> PopulationState:
-    """State of which those of the contacts `own` that have a large area are pressed under the
-    hardness, the largest first, those on tilted basins as if twice as large, until their laws are
-    confirmed: these stay. By how much the areas of some change is told by `changes`."""
+    """The state with the areas of the large ones of the contacts `own` corrected.
+
+    `changes` presses contacts under the hardness and gives the change of each area [m^2]. Contacts
+    go in groups from the largest down, where one on a tilted basin counts as up to twice as large.
+    When the areas of a group change little, its laws count as confirmed: it and all smaller
+    contacts keep their areas.
+    """
     area = state.listed[3]
     large = area[own] > fitted.pressed * state.contact_area
     own, shift = own[large], shift[large]
@@ -115,15 +118,19 @@ def _yielding(
 
 
 def _changed(state: PopulationState, own: Rows, change: Array) -> PopulationState:
-    """State with other areas [m^2] of some contacts."""
+    """The state with `change` [m^2] added to the areas of the contacts `own`."""
     listed = state.listed.copy()
     listed[3, own] += change
     return replace(state, listed=listed, contact_area=float(listed[3].sum()))
 
 
 def _shifts(population: Population, state: PopulationState, own: Rows, punch: Array) -> Array:
-    """Shift of some contacts by the gradient of the field over their radius, which the stiffness
-    `punch` [N/m] tells, shape (k,)."""
+    """Shift R |g| of the contacts `own` by the gradient g of the field, over the contact radius a,
+    shape (k,).
+
+    A paraboloid has R = a^2 / (p d) at the approach d, p = `Footprints.power` (1 for m = 0); a is
+    the radius of the flat punch of the stiffness `punch` [N/m].
+    """
     body, depth = population.footprints, state.listed[0, own]
     radius = body.radius(np.maximum(punch, 0.0))
     return np.asarray(radius * np.hypot(*state.tilt[own].T) / (body.power * depth))
@@ -132,8 +139,8 @@ def _shifts(population: Population, state: PopulationState, own: Rows, punch: Ar
 def area_under(table: LawTable, force: Array) -> Array:
     """Area [m^2] of each contact of a table under a force [N], shape (n,).
 
-    Power laws between the nodes; beyond the force of the last node its area, or what that force
-    takes at the hardness.
+    Areas follow power laws of the force between nodes, and stay constant beyond the last node. No
+    area is less than the force over the hardness.
     """
     upper = np.clip(np.argmax(table.force >= force[:, None], axis=1), 1, table.nodes)
     upper[force > table.force[:, -1]] = table.nodes
@@ -155,8 +162,8 @@ def _areas(
     shift: Array,
     fitted: TiltedBasins,
 ) -> Array:
-    """Areas [m^2] of contacts on their tilted basins, shape (k,); their own ones where there is no
-    summit."""
+    """Areas [m^2] of the contacts `own` on their tilted basins, shape (k,); the present area of a
+    contact whose tilted basin has no summit."""
     rows, approach, force, area = state.rows[own], *state.listed[:, own][[0, 1, 3]]
     gradient = state.tilt[own] / (1.0 + shift[:, None])
     tilted, body = summits.tilted(rows, gradient, fitted.passed * approach), population.material
@@ -171,5 +178,5 @@ def _areas(
 
 
 def _rise(value: Array | float, ends: tuple[float, float]) -> Array:
-    """From 0 to 1 between two values."""
+    """Linear rise from 0 at the first of the `ends` to 1 at the second, constant outside."""
     return np.clip((value - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
