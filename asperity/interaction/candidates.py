@@ -1,4 +1,4 @@
-"""The summits that may touch at a separation, where their contacts stand, and their interaction."""
+"""Candidates: the summits that may touch at a separation, and where their contacts stand."""
 
 from __future__ import annotations
 
@@ -28,66 +28,68 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 FOOTPRINT_GROWTH = 1.3
-"""Approach over the present one for which the footprints of a list are meant."""
+"""The near pairs of a list reach as far as footprints at this multiple of the present approach."""
 
 SAMPLED_CONTACTS = 1000
-"""Contacts of which the widest footprint and the mean distance are estimated."""
+"""Contacts from which the widest footprint and the mean distance from the centers are estimated."""
 
 ELONGATED_SHARE = 0.5
-"""Share of the moment along a footprint for which lists are meant, where it exceeds the round one:
-beyond the near pairs footprints are round. With lay of 4:1 the load at 25 % of contact hangs on the
-list by 0.6 %, with 6:1 by 0.3 % (by 5 and 18 % if meant for round ones; seed 1)."""
+"""Share of the second moment along an elongated footprint that the near pairs allow for; beyond the
+near pairs footprints are round. The list changes the load at 25 % of contact by 0.6 % with lay of
+4:1, by 0.3 % with 6:1 (by 5 and 18 % if it allows for round footprints only; seed 1)."""
 
 LARGEST_DISTANCE = 0.06
-"""Mean distance of contacts from their centres, over their radius, at which they may stay."""
+"""Largest mean distance between points and centers of contacts, over the contact radius."""
 
 PAIR_LIST_SKIN = 0.15
-"""Distance from where the near pairs were listed, over the split length, that points may reach."""
+"""Largest distance of a point from its place when the near pairs were listed, over the split length
+of `Interaction`."""
 
 LARGEST_FIELD_ERROR = 1e-3
-"""Share of the load that their distance from their centres may make in the slope of the field."""
+"""Largest error of the load, as a share of it, by the distance between points and centers in the
+slope of the field."""
 
 MANY_CONTACTS = 5000
-"""Closed contacts from which on the two bounds below hold; for fewer they are proportionally
-smaller, as one that leaps counts more."""
+"""Closed contacts from which on the next two bounds hold. For fewer contacts the bounds are smaller
+in proportion, since each contact has a larger share of the load."""
 
 ERROR_PER_TOLERANCE = 0.1
-"""Part of the tolerance that this error of the load may be, no less than `LARGEST_FIELD_ERROR`."""
+"""The error bounded by `LARGEST_FIELD_ERROR` may be this part of the tolerance, if that is more."""
 
 LARGEST_LEAPING_LOAD = 0.02
-"""Share of the load in contacts that leap farther than the skin beyond which lists are made for
-their new places."""
+"""Largest share of the load on contacts whose centers leap farther than the skin. Beyond it the
+list is made anew for the new places."""
 
 RETURNING_SHARE = 0.5
-"""Share of its way that a point is moved where it was moved the other way before: contacts on one
-ridge can pass their load, and with it their centres, back and forth."""
+"""Share of its way that a point moves if it moves back: contacts on one ridge can pass their load,
+and with it their centers, back and forth."""
 
 
 @dataclass(frozen=True, eq=False)
 class CandidateList:
-    """Summits that may touch, in the order of their interaction.
+    """Summits that may touch, in the order of the points of `problem.plan`.
 
     Attributes
     ----------
     problem
-        Their laws and their interaction.
+        Laws and interaction of the candidates.
     index
-        Summits, shape (n,).
+        Summit of each candidate, shape (n,).
     others
-        The other summits, from the highest down.
+        Summits that are no candidates, from the highest down.
     offset
-        Places x, y [m] of all contacts less those of their summits, shape (2, all).
-    listed
+        Positions x, y [m] of all contacts relative to their summits, shape (2, all).
+    paired
         `offset` when the near pairs were listed.
     moved
-        By how much the points were moved last [m], shape (2, all).
+        Last change of `offset` [m], shape (2, all).
     """
 
     problem: Problem
     index: Rows
     others: Rows
     offset: Array
-    listed: Array
+    paired: Array
     moved: Array
 
     @classmethod
@@ -103,12 +105,12 @@ class CandidateList:
         spare: float,
         rounded: bool,
     ) -> CandidateList:
-        """The candidates at a separation [m], about a prediction.
+        """The candidates at a separation [m], from a prediction of the contacts.
 
-        The `values` are `Point.values` of the summits `rows`; those that are closed are listed in
-        any case. `field` is the smooth part of the last field, if any, `growth` how much deeper the
-        field can be where it is negative, and `spare` the number of summits listed over those that
-        overlap. With `rounded` all footprints are taken as round.
+        `values` are the predicted `Point.values` of the summits `rows`: those predicted to be
+        closed are candidates in any case. `field` is the smooth part of the last field, if any;
+        where it is negative it may be `growth` times as deep. `spare` is the number of candidates
+        over that of the summits that overlap. With `rounded` all footprints are round.
         """
         elongation = None if rounded else system.elongation
         closed = values[0] > 0
@@ -154,7 +156,7 @@ class CandidateList:
             index=index,
             others=left,
             offset=offset,
-            listed=offset,
+            paired=offset,
             moved=np.zeros_like(offset),
         )
 
@@ -166,7 +168,8 @@ class CandidateList:
         growth: float,
         allowed: float = 0.0,
     ) -> bool:
-        """Whether more than `allowed` summits that overlap are not listed; arguments as of `of`."""
+        """Whether more than `allowed` summits that overlap are no candidates; other arguments are
+        those of `of`."""
         if not len(self.others):
             return False
         _, overlap = _overlaps(system, self.others, field, separation, growth)
@@ -175,11 +178,15 @@ class CandidateList:
     def recentred(
         self, system: ContactSystem, rows: Rows, values: Array, tolerance: float
     ) -> CandidateList | None:
-        """The list with its points moved to the centres of the laws, if they are too far from them
-        at the `Point.values` of the summits `rows` for a `tolerance`, otherwise itself; None if the
-        footprints have outgrown its plan, or points are too far from their centres where they may
-        stand. Of many contacts few leap so far, to another top of their basin, and a list made for
-        their last place would be as wrong when they leap back."""
+        """The list with each point moved to the center of its contact, as the laws give it at the
+        `Point.values` of the summits `rows`.
+
+        Returns the list itself if the points are near enough to the centers for the `tolerance`;
+        None if a new list is needed: the footprints have outgrown the near pairs, or the points
+        are too far from the centers even after they moved as far as the near pairs allow. A few of
+        many contacts may leap farther, to another top of their basin: they do not call for a new
+        list, which would be as wrong when they leap back.
+        """
         if not system.has_centres:
             return self
         touches = np.flatnonzero(values[0] > 0)
@@ -197,13 +204,13 @@ class CandidateList:
         if not self._strayed(system, *seen):
             return self
         closed, approach = rows[touches], values[0, touches]
-        listed, skin = self.listed[:, closed], PAIR_LIST_SKIN * plan.eta
-        reach = system.table.centre_at(closed, approach) - listed
+        paired, skin = self.paired[:, closed], PAIR_LIST_SKIN * plan.eta
+        reach = system.table.centre_at(closed, approach) - paired
         far = (np.abs(reach) > skin).any(axis=0)
         if values[1, touches[far]].sum() > many * LARGEST_LEAPING_LOAD * values[1].sum():
             return None
         change = np.zeros_like(self.offset)
-        change[:, closed] = listed + np.clip(reach, -skin, skin) - self.offset[:, closed]
+        change[:, closed] = paired + np.clip(reach, -skin, skin) - self.offset[:, closed]
         if replace(self, offset=self.offset + change)._strayed(system, *seen):
             return None
         back = np.sum(change * self.moved, axis=0) < 0
@@ -221,8 +228,9 @@ class CandidateList:
         approach: Array,
         *tilt: Array,
     ) -> bool:
-        """Whether contacts are too far from the centres of their laws for the plan to hold, or make
-        more than the share `bound` of the load in the slope of the field."""
+        """Whether points are too far from the centers of their contacts: by `LARGEST_DISTANCE` in
+        the mean, or so that the slope `tilt` of the field over this distance changes the load by
+        more than the share `bound`."""
         centre = system.table.centre_at(closed, approach)
         x, y = np.subtract(centre, self.offset[:, closed])
         lower = np.sum(law.stiffness * (tilt[0] * y + tilt[1] * x))
@@ -230,7 +238,8 @@ class CandidateList:
         return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 
     def areas(self, system: ContactSystem, solution: Solution) -> Array:
-        """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
+        """Contact areas [m^2], shape (n,), with the growth (`widened`) of contacts that stand
+        beside rough summits."""
         law, problem, table = solution.laws, self.problem, system.table
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
@@ -239,7 +248,7 @@ class CandidateList:
 
 
 def _lowest(field: SmoothField | None, growth: float) -> float:
-    """How low [m] the field may be."""
+    """Lowest value [m] that the field may reach: zero or less."""
     return growth * (0.0 if field is None else field.lowest)
 
 
@@ -250,8 +259,8 @@ def _overlaps(
     separation: float,
     growth: float,
 ) -> tuple[Rows, Array]:
-    """Those of some summits, from the highest down, that may touch, and how far [m] they overlap
-    the plane in the smooth part of the last field."""
+    """Those of the `summits`, sorted from the highest down, that may touch, and how far [m] each
+    would overlap the flat in the smooth part of the last field."""
     low = _lowest(field, growth)
     rows = system.above(separation + 1.1 * low, summits)
     overlap = system.height[rows] - separation
@@ -264,7 +273,7 @@ def _overlaps(
 def _widest(
     footprints: Footprints, elongation: Elongation | None, closed: Rows, law: Evaluated
 ) -> float:
-    """Variance [m^2] that few footprints of the contacts `closed` exceed."""
+    """Variance [m^2] of the widest footprints of the contacts `closed`: their 98 % quantile."""
     if not len(closed):
         return 0.0
     variance = footprints.variance(law.stiffness)

@@ -30,7 +30,7 @@ Rows = NDArray[np.int64]
 
 
 class ContactSystem:
-    """What a coupled solve reads: summits, laws and half-space.
+    """Input of a coupled solve: summits, contact laws and half-space.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class ContactSystem:
     height
         Heights [m] above the mean plane of the map, shape (n,).
     table
-        Contact laws of the summits; of a lazy table those that are needed are made.
+        Contact laws of the summits; a lazy table makes those that are needed.
     cell
         Nominal area (Ly, Lx) [m].
     boundary
@@ -52,9 +52,9 @@ class ContactSystem:
         Principal curvatures [1/m], (n, 2), the larger first, and directions of the long axis [rad],
         (n,), of the summits; round footprints if not given.
     parameters
-        Constants of the model, and switches: coupled contacts stand at the centres that their laws
-        give and move under the slope of their neighbors' field (`contact_shift`), and footprints
-        are elongated (`elongation`).
+        Constants of the model, and its switches. With `contact_shift` coupled contacts stand at the
+        centers that their laws give, and move under the slope of their neighbors' field; with
+        `elongation` footprints are elongated.
 
     Attributes
     ----------
@@ -118,11 +118,11 @@ class ContactSystem:
 
     @property
     def _can_interact(self) -> bool:
-        """Whether a summit has another one, or its own images, beside it."""
+        """Whether there is a second contact to interact with: another summit, or an image."""
         return self.boundary == "periodic" or len(self) > 1
 
     def coupled(self) -> Self:
-        """The same summits and laws, with interaction."""
+        """A system of these summits and laws with interaction."""
         other = copy.copy(self)
         other.interaction = self._can_interact
         return other
@@ -143,7 +143,8 @@ class ContactSystem:
         return float(self.height[self.by_height[0]])
 
     def above(self, level: float, rows: Rows | None = None) -> Rows:
-        """Summits above a height [m], of `rows` in the order of `by_height`; of all if None."""
+        """Summits above a height [m], of `rows`, which are in the order of `by_height`, or of all
+        if None."""
         rows = self.by_height if rows is None else rows
         return rows[: bisect_left(rows, -level, key=lambda row: -self.height[row])]
 

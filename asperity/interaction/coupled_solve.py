@@ -27,43 +27,45 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 SPARE_CANDIDATES = 1.5
-"""Listed summits over those that can touch now, so that lists last for several separations."""
+"""Candidates over the summits that can touch now: a list then serves several separations."""
 
 FIELD_GROWTH = 1.1
-"""Depth of the field allowed for at the next separation, over that of the last."""
+"""Depth of the field that a list allows for at the next separation, over the last depth."""
 
-FIELD_GROWTH_OF_LOAD = 1.05
-"""Depth of the field allowed for at the next load, over that of the last: most loads lie too far
-apart for a list to last."""
+SPARE_CANDIDATES_OF_LOAD = 1.05
+"""`SPARE_CANDIDATES` of load points: most loads lie too far apart for a list to serve two."""
 
 MAX_LISTS = 8
-"""Times that the lists are made anew at one separation: deeper, or about moved contacts."""
+"""Largest number of new lists at one separation, deeper ones or ones for moved contacts."""
 
 FIRST_TOLERANCE = 0.1
-"""Tolerance of the first solve of all, whose lists and centres are guessed."""
+"""Tolerance of the very first solve: its candidates and their centers are guessed."""
 
 LACKING_CANDIDATES = 0.05
-"""Contacts that a list may lack after a solve, over the closed ones and the tolerance."""
+"""Overlapping summits that a list may lack after a solve, over closed contacts times tolerance."""
 
 CROWDED_AREA = 0.3
-"""Contact area over nominal area beyond which a point that does not come out is refused."""
+"""Area fraction beyond which a point that does not converge is refused as too crowded."""
 
 RISE_BY_ROUNDING = 1e-9
-"""Rise of the flat under more load that rounding explains, over its fall since the first touch."""
+"""Largest rise of the flat under more load that counts as rounding, over the fall of the flat since
+first touch."""
 
 
 @np.errstate(all="ignore")  # a step that is not finite is refused with its reason
 def solve_at(
     last: Continuation, separation: float, tolerance: float, pressure: float | None = None
 ) -> PopulationState:
-    """State at a separation [m], or at a mean pressure [Pa], of which the separation is then the
-    first guess; `last` is taken over from the last point, and the tolerance bounds the residual.
+    """State at a separation [m], or at a mean pressure [Pa].
+
+    With a pressure the separation is a first guess. `last` holds the points solved before, from
+    which this one is predicted; `tolerance` bounds the residual.
 
     Notes
     -----
-    Prediction, candidates, Newton steps, state. Where the solution shows that summits were missing
-    in the list or that contacts stand elsewhere, the list is made anew and solved again, from what
-    is known then.
+    The stages are prediction, candidates, Newton steps, state. If the solution shows that summits
+    were missing in the list, or that contacts stand elsewhere, a new list is made from the solution
+    and solved again.
     """
     system = last.system
     if not system.interaction:
@@ -110,17 +112,17 @@ def solve_at(
         steps, products = steps + solution.steps, products + solution.products
         long = listed.problem.elongation is not None and _share(system, solution) <= CROWDED_AREA
         if solution.reason and long and good is None and placed < MAX_LISTS:
-            listed, rounded = None, True  # long footprints, not the crowd, may be why
+            listed, rounded = None, True  # round footprints may converge where long ones do not
             continue
         field, values, separation = listed.problem.plan.smooth, solution.values, solution.separation
         current = listed
         if solution.reason and good is not None:
-            current, solution, values = good  # whose contacts have hardly strayed
+            current, solution, values = good  # the solution before its points were moved
             break
         if solution.reason or placed == MAX_LISTS:
             break
         growth, rise = 1.0, 0.0
-        # those that only just touch carry less than their share of the load
+        # a missing summit that just touches would carry less than the mean load of a contact
         few = LACKING_CANDIDATES * tolerance * np.count_nonzero(values[0] > 0)
         again = not (listed.lacks(system, field, separation, growth, few) or blind)
         listed = current.recentred(system, rows, values, tolerance) if again else None
@@ -140,11 +142,11 @@ def solve_at(
 
 
 class Start(NamedTuple):
-    """Where the solve of a point starts.
+    """Start of the solve of a point.
 
-    From the summits `rows` and the prediction of their `Point.values`; `growth` and `spare` as
-    `CandidateList.of` takes them, `rise` by how much the separation there is to be raised [m].
-    `listed` are the candidates of the last point, where they are those of this one too.
+    `values` are the predicted `Point.values` of the summits `rows`; `growth` and `spare` are those
+    of `CandidateList.of`, whose separation is to be raised by `rise` [m]. `listed` is the list of
+    the last point if it serves this point too, else None.
     """
 
     rows: Rows
@@ -158,12 +160,12 @@ class Start(NamedTuple):
 def start_of(
     last: Continuation, separation: float, pressure: float | None, tolerance: float
 ) -> Start:
-    """Where the solve of a point starts; arguments as of `solve_at`."""
+    """Start of the solve of a point; arguments as in `solve_at`."""
     system, listed = last.system, last.candidates
     rows, values = last.predicted(separation, pressure)
     growth, spare = FIELD_GROWTH, SPARE_CANDIDATES
     if pressure is not None and last.points and last.points[-1].pressure > 0:
-        growth, spare = max(1.0, pressure / last.points[-1].pressure), FIELD_GROWTH_OF_LOAD
+        growth, spare = max(1.0, pressure / last.points[-1].pressure), SPARE_CANDIDATES_OF_LOAD
     rise = last.rise(separation, values)
     if listed is not None:
         rounded = system.elongation is not None and listed.problem.elongation is None
@@ -173,14 +175,15 @@ def start_of(
 
 
 def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:
-    """The `Point.values` of the summits `index`, of those known of `rows`, among `count` in all."""
+    """The `Point.values` of the summits `index`, of `count` in all: the `values` of those among
+    `rows`, zero for the others."""
     known = np.zeros((len(values), count))
     known[:, rows] = values
-    return known.take(index, axis=1)  # row by row, as loops are compiled for
+    return known.take(index, axis=1)  # in C order, the layout that the loops are compiled for
 
 
 def descend(problem: Problem, separation: float, start: Array, **settings: Any) -> Solution:
-    """Solution of `descent`, of which the arguments are; the laws that it lacks are made."""
+    """Run `descent`, with its arguments, and make the laws that it asks for."""
     problem.laws.make(start > 0)
     steps = descent(problem, separation, start, **settings)
     while True:
@@ -197,9 +200,11 @@ def _share(system: ContactSystem, solution: Solution) -> float:
 
 
 def _ordered(last: Continuation, solution: Solution, tolerance: float) -> Solution:
-    """The solution, refused if the flat would stand higher than under less load, as above no
-    elastic body: footprints that overlap far can pass their load to each other until few contacts
-    carry it."""
+    """The solution, refused if the flat would stand higher than under less load.
+
+    No elastic body does that. Footprints that overlap far can, by passing their load to each other
+    until few contacts carry it.
+    """
     load = solution.load / last.system.nominal_area
     if solution.reason or not load > 0:
         return solution
@@ -242,7 +247,7 @@ def _independent(last: Continuation, separation: float) -> PopulationState:
 def _state(
     continuation: Continuation, rows: Rows, area: Array, solution: Solution
 ) -> PopulationState:
-    """The state that belongs to a solution, with contact areas [m^2] of the summits `rows`."""
+    """The state of a solution, with the contact areas [m^2] of the summits `rows`."""
     system, field = continuation.system, continuation.field
     law, load = solution.laws, solution.load
     lowest = 0.0 if field is None else field.lowest

@@ -1,4 +1,4 @@
-"""Elongated contacts: the moments of their footprints, and radii of curvature."""
+"""Elongated contacts: second moments of their footprints, and their radii of curvature."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ __all__ = ["ASPECT_EXPONENT", "Elongation", "aspect_ratio"]
 Array = NDArray[np.float64]
 
 ASPECT_EXPONENT = 0.63
-"""Axis ratio of an elliptic contact from the ratio of curvatures, b/a = (k2/k1)^0.63: exact Hertz
-(Hertz) within 3 % up to a curvature ratio of 30."""
+"""Exponent of the axis ratio of an elliptic contact, b/a = (k2/k1)^0.63, with k1 > k2 the principal
+curvatures: within 3 % of Hertz's elliptic integrals up to a curvature ratio of 30."""
 
 
 @dataclass(frozen=True, eq=False)
 class Elongation:
-    """How the footprints of contacts differ from round ones; arrays over the contacts.
+    """Shapes of elongated footprints relative to round ones; arrays over the contacts.
 
     Parameters
     ----------
@@ -37,14 +37,16 @@ class Elongation:
     Notes
     -----
     The flat punch over an ellipse and a Gaussian of elliptic contours depend on the ratio of their
-    axes in the same way: the rule of `Footprints`, that a footprint has the compliance of its
-    contact, holds with the moments v g r along and v g / r across, where
+    axes r in the same way. The rule of `Footprints`, that a footprint has the compliance of its
+    contact, therefore holds with the moments v g r along and v g / r across, where v is the
+    variance of the round footprint and
     g^(p/2) = mean over directions of (r cos^2 + sin^2 / r)^(-p/2) (p = 1: 2 K(e) / (pi sqrt(r))).
-    By Jensen's inequality their mean is never below v: a round footprint of the mean moment leaves
-    the tangent matrix positive definite.
-    An elliptic paraboloid of semi-axes a, b with r = a/b and e^2 = 1 - 1/r^2 has the radii
-    a^2 / (d c) along and b^2 / (d c') across, c = 2 (K - E) / (e^2 K), c + c' = 2, of which the one
-    along is bounded (`parameters.ElongationBounds`).
+    By Jensen's inequality the mean of both moments is never below v: a round footprint of the mean
+    moment leaves the tangent matrix positive definite.
+    An elliptic Hertz contact of semi-axes a, b with r = a/b and e^2 = 1 - 1/r^2 at the approach d
+    has the radii of curvature a^2 / (d c) along and b^2 / (d c') across, where
+    c = 2 (K - E) / (e^2 K) and c + c' = 2 (Johnson, Contact Mechanics, 1985, section 4.2). The
+    radius along is bounded (`parameters.ElongationBounds`).
     """
 
     moments: Array
@@ -58,17 +60,17 @@ class Elongation:
         footprints: Footprints,
         bounds: ElongationBounds = DEFAULTS.elongation,
     ) -> Elongation:
-        """Of summits with principal curvatures (n, 2) [1/m] and directions of their long axis
-        (n,) [rad]."""
+        """Elongation of contacts on summits with principal curvatures [1/m], shape (n, 2), the
+        larger first, and directions of the long axis [rad], (n,)."""
         steep, shallow = curvature.T
         flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
         ratio = np.clip(flatness, 1e-6, 1.0) ** -ASPECT_EXPONENT
         ratio = np.minimum(ratio, bounds.aspect)
         along, across = _axes(footprints.power, ratio, bounds.aspect)
-        eccentricity = np.maximum(1 - ratio**-2, 1e-9)
-        k, e = ellipk(eccentricity), ellipe(eccentricity)
-        share = 2 * (k - e) / (eccentricity * k)
-        far, near = np.minimum(ratio / share, bounds.radius), 1 / (ratio * (2 - share))
+        squared = np.maximum(1 - ratio**-2, 1e-9)  # e^2, the argument of SciPy's integrals
+        k, e = ellipk(squared), ellipe(squared)
+        c = 2 * (k - e) / (squared * k)
+        far, near = np.minimum(ratio / c, bounds.radius), 1 / (ratio * (2 - c))
         return cls(_turned(along, across, angle), _turned(far, near, angle))
 
     @property
@@ -78,18 +80,18 @@ class Elongation:
         return np.asarray(0.5 * (yy + xx) + np.hypot(0.5 * (yy - xx), xy))
 
     def rows(self, index: NDArray[np.int64]) -> Elongation:
-        """Of the contacts `index` alone."""
+        """Elongation of the contacts `index`."""
         return Elongation(self.moments[index], self.radii[index])
 
 
 def aspect_ratio(curvature: Array) -> Array:
-    """Short over long axis of the contacts on summits of the curvatures (n, 2) [1/m]."""
+    """Short over long axis of Hertz contacts on summits of curvatures [1/m], shape (n, 2)."""
     steep, shallow = curvature.T
     return np.asarray(np.clip(shallow / steep, 1e-3, 1.0) ** ASPECT_EXPONENT)
 
 
 def _axes(power: float, ratio: Array, largest: float) -> tuple[Array, Array]:
-    """Moments along and across over that of the round footprint of the same compliance."""
+    """Moments g r along and g / r across (`Elongation`) of footprints of axis ratio r."""
     place, known = _compliance(power, largest)
     size = np.interp(np.log(ratio), place, known) ** (2 / power)
     return size * ratio, size / ratio
@@ -97,7 +99,8 @@ def _axes(power: float, ratio: Array, largest: float) -> tuple[Array, Array]:
 
 @functools.lru_cache(maxsize=16)
 def _compliance(power: float, largest: float) -> tuple[Array, Array]:
-    """Self-compliance of an elliptic Gaussian of unit determinant, over the log of its ratio."""
+    """g^(p/2) of `Elongation`, the self-compliance of an elliptic Gaussian over that of the round
+    one of equal determinant, tabulated over the logarithm of the axis ratio."""
     place = np.linspace(0.0, np.log(largest), 65)
     angle = (np.arange(512) + 0.5) * np.pi / 1024
     ratio = np.exp(place)[:, None]
@@ -106,7 +109,8 @@ def _compliance(power: float, largest: float) -> tuple[Array, Array]:
 
 
 def _turned(along: Array, across: Array, angle: Array) -> Array:
-    """Components yy, xx, xy of tensors with principal values `along` the angle and `across`."""
+    """Components yy, xx, xy of tensors with the principal values `along` at the angle [rad] from x
+    to y, and `across`."""
     c, s = np.cos(angle), np.sin(angle)
     return np.stack(
         (along * s * s + across * c * c, along * c * c + across * s * s, (along - across) * s * c),

@@ -17,30 +17,31 @@ from .population_state import Continuation, PopulationState
 __all__ = ["Population", "PopulationState", "handed_on", "solve_under"]
 
 LARGEST_AREA_FRACTION = 0.5
-"""Contact area over nominal area beyond which separate contacts have lost their meaning."""
+"""Area fraction beyond which a point is refused: separate contacts no longer describe the surface.
+"""
 
 CONTACTS_EXPONENT = 0.7
-"""Power of the load with which the number of contacts grows (0.6 to 0.9 below 10 % of contact): of
-the highest summits, so many, about nine in ten touch then."""
+"""Number of contacts ~ load^0.7, to forecast which laws will be needed (boundary elements: 0.6 to
+0.9 below 10 % of contact). About nine in ten of that many highest summits touch then."""
 
 LARGE_LIST = 20_000
-"""Candidates of a list whose memory counts."""
+"""Number of candidates from which on the memory of a list is freed before the next is made."""
 
 MAX_DOUBLINGS = 100
-"""Doublings of the depth at which independent contacts are sought to carry a load."""
+"""Doublings of the depth in the search for the separation of independent contacts."""
 
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
 
 SEARCH_TOLERANCE = 5e-3
-"""Tolerance of a solve on the way to a mean pressure."""
+"""Largest tolerance of a solve in the search for a mean pressure."""
 
 LOAD_TOLERANCE = 1e-3
-"""Relative error of the load at which the search ends; where separations do not tell loads so near
-each other apart, half the tolerance."""
+"""Relative error of the load at which the search ends. If rounding of the heights does not allow
+that, half the tolerance of the solve is accepted."""
 
 INDEPENDENT_LOAD_TOLERANCE = 1e-6
-"""Relative error of the load of independent contacts, for which a step costs no field."""
+"""`LOAD_TOLERANCE` of independent contacts, whose steps cost no field."""
 
 
 class Population(ContactSystem):
@@ -48,9 +49,10 @@ class Population(ContactSystem):
 
     Notes
     -----
-    Contact i has the approach d_i = z_i - s - u_i. The displacement u_i by all other contacts (and
-    by the images of its own force in a periodic cell) is taken over the footprint of the contact:
-    `asperity.interaction` has the formulation.
+    Contact i has the approach d_i = z_i - s - u_i, with the height z_i of its summit and the
+    separation s. u_i is the displacement by all other contacts (and by the images of its own force
+    in a periodic cell), averaged over the footprint of the contact
+    (docs/development/interaction.md).
 
     Examples
     --------
@@ -144,13 +146,13 @@ def handed_on(
     pressure: float | None = None,
     tolerance: float = 2e-3,
 ) -> PopulationState:
-    """What `Population.solve`, of which the arguments are, needs of a state to start from.
+    """The part of a state that `Population.solve`, called with the other arguments, starts from.
 
-    Lists of candidates are most of the memory of a solve: the last one goes before the next is made
-    if nothing else holds it. Where it serves the next point too, or is short, the state stays.
+    The list of candidates is most of the memory of a solve. A long list that does not serve the
+    next point is left out, so that it can be freed before the next list is made.
     """
     last = state.continuation
-    # a search may end with the state that it began with
+    # a search for nearly the same pressure may return this state itself
     alike = pressure is not None and abs(state.mean_pressure - pressure) <= tolerance * pressure
     if not state.converged or alike or last.candidates is None:
         return state
@@ -179,11 +181,12 @@ def _finite(value: float | None, name: str) -> float:
 def solve_under(
     last: Continuation, pressure: float, tolerance: float, state: PopulationState | None
 ) -> PopulationState:
-    """State at a mean pressure [Pa], with the separation as one more unknown of the Newton steps;
-    by search for the separation where these fail, and of independent contacts.
+    """State at a mean pressure [Pa].
 
-    What is taken over from the last point is `last`, the last point itself, if there is one,
-    `state`; the tolerance bounds the residual.
+    The Newton steps of coupled contacts have the separation as one more unknown. Where they fail,
+    and for independent contacts, the separation is searched for. The solve starts from the
+    continuation `last`, the search from the last `state`, if there is one; `tolerance` bounds the
+    residual.
     """
     system = last.system
     if pressure == 0:
@@ -203,10 +206,11 @@ def solve_under(
 def _searched(
     last: Continuation, pressure: float, tolerance: float, state: PopulationState | None
 ) -> PopulationState:
-    """Safeguarded Newton iteration for the logarithm of the mean pressure."""
+    """State at a mean pressure [Pa], by a Newton iteration over the separation for the logarithm of
+    the mean pressure, safeguarded by bisection. Arguments as in `solve_under`."""
     system = last.system
     top = system.highest
-    tolerance = min(tolerance, SEARCH_TOLERANCE)  # no last step follows
+    tolerance = min(tolerance, SEARCH_TOLERANCE)  # no last Newton step reduces the residual here
     low, high, step = -math.inf, top, 0.1 * _relief(system)
     if state is None or not state.mean_pressure > 0:
         state = solve_at(last, _independent_separation(system, pressure), tolerance)
@@ -221,7 +225,7 @@ def _searched(
         if least <= bound:
             return best
         here = state.separation
-        # a rough pressure near the wanted one does not tell on which side it lies
+        # within its residual a pressure does not tell on which side of the wanted one it lies
         if abs(error) > 5 * state.residual:
             low, high = (here, high) if error > 0 else (low, min(high, here))
         guess = high - step
@@ -230,10 +234,10 @@ def _searched(
         if not low < guess < high:
             guess = 0.5 * (low + high) if math.isfinite(low) else high - step
         step *= 2
-        # far from the pressure a rough solve shows the way
+        # far from the wanted pressure a rough solve is enough
         rough = SEARCH_TOLERANCE if abs(error) > 10 * SEARCH_TOLERANCE else tolerance
         state = solve_at(state.continuation, guess, rough)
-    if least <= 0.5 * tolerance:  # heights do not tell smaller loads apart
+    if least <= 0.5 * tolerance:  # rounding of the heights allows no smaller error
         return best
     return state.refused(
         f"{MAX_SEARCH} separations did not bring the mean pressure to {pressure:g} Pa"
@@ -241,15 +245,16 @@ def _searched(
 
 
 def _relief(system: ContactSystem) -> float:
-    """A length of the order of the heights of the summits [m], positive."""
+    """Positive length [m] of the order of the height differences of the summits."""
     spread, level = float(np.ptp(system.height)), abs(system.highest)
     return spread or level or 1e-6 * math.sqrt(system.nominal_area)
 
 
 def _independent_separation(system: ContactSystem, pressure: float) -> float:
-    """Separation at which independent contacts would carry the pressure, within a few %."""
+    """Separation [m] at which independent contacts would carry the pressure [Pa], within a few per
+    cent."""
     summits, height = system.by_height, system.height
-    system.laws.rows(summits[:LEAST_BATCH]).make()  # one by one they would cost more
+    system.laws.rows(summits[:LEAST_BATCH]).make()  # a batch costs less than single laws
 
     def carried(separation: float) -> float:
         above = system.above(separation)
@@ -257,7 +262,8 @@ def _independent_separation(system: ContactSystem, pressure: float) -> float:
         laws.make()
         return float(laws(height[above] - separation).force.sum()) / system.nominal_area
 
-    # by numbers of summits: one that stands out must not lead far down among the others
+    # doubles the number of summits, not the depth: below one summit that stands far above the rest
+    # the first step in depth could pass thousands of them
     high, end = system.highest, LEAST_BATCH
     width = 0.01 * _relief(system)
     low = float(height[summits[min(end, len(summits) - 1)]])

@@ -1,4 +1,4 @@
-"""The contacts of a population at one separation, and what the next solve takes over from it."""
+"""State of a population at one separation, and the continuation that predicts the next state."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ if TYPE_CHECKING:
 __all__ = ["POINTS_KEPT", "Continuation", "Point", "PopulationState", "predict", "weights"]
 
 UNLOADING_TOLERANCE = 0.03
-"""Relative accuracy of the response of contacts that keep their areas."""
+"""Relative accuracy of the linear solve for the unloading stiffness."""
 
 POINTS_KEPT = 3
-"""Points kept to extrapolate from."""
+"""Number of solved points from which the next is extrapolated."""
 
 LARGEST_WEIGHT = 6.0
-"""Largest weight of one point in an extrapolation over three: beyond it, noise is magnified."""
+"""Largest weight of one point in an extrapolation from three. Larger weights would magnify the
+errors of the points; the last two points are then taken."""
 
 SINKING_SHARE = 0.995
-"""Share of the contacts that sink as far as the candidates of the next point rely on: with 0.98 one
-list in four was made twice, with 1 a third more summits are listed at the largest loads."""
+"""Share of the contacts that sink at least by `Continuation.rise`. With 0.98 one list in four was
+made twice; with 1 a third more summits are listed at the largest loads."""
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -46,12 +47,13 @@ class Point:
     Attributes
     ----------
     separation, pressure
-        Where it is [m], and its mean pressure [Pa].
+        Separation [m] and mean pressure [Pa].
     rows
-        Summits that were listed, shape (m,).
+        Candidates of the point, shape (m,).
     values
-        Of each of these, shape (5, m): z - s - u [m], the approach or minus the gap; force [N];
-        two gradients of the displacement [-]; approach gained per fall of the plane [-].
+        Five rows of numbers of these candidates, shape (5, m): z - s - u [m], which is the approach
+        of a closed contact and minus the gap of an open one; force [N]; gradients of the
+        displacement along y and along x [-]; approach gained per fall of the flat [-].
     """
 
     separation: float
@@ -61,8 +63,10 @@ class Point:
 
 
 def predict(points: tuple[Point, ...], separation: float, count: int) -> Array:
-    """`Point.values` of the summits of the last point, of `count` in all, at a separation, each
-    from as many points as know it; along the response if there is one point."""
+    """Predict `Point.values` of the candidates of the last point at a separation [m].
+
+    Each of the `count` summits is extrapolated from the last points that have it as a candidate.
+    From one point closed contacts follow their response (`values[4]`)."""
     last = points[-1]
     if len(points) == 1:
         values, fall = last.values.copy(), last.separation - separation
@@ -91,8 +95,12 @@ def predict(points: tuple[Point, ...], separation: float, count: int) -> Array:
 
 
 def weights(place: float, known: list[float]) -> Array:
-    """Weights of points at `known` places in the value at `place`: the polynomial through up to
-    three, the line through the last two if those lie badly, and never far beyond it."""
+    """Weights of the values at the abscissas `known` in the extrapolated value at `place`.
+
+    The weights are Lagrange's for the parabola through three points. If one exceeds
+    `LARGEST_WEIGHT`, or there are two points, they are those of the line through the last two,
+    extrapolated by at most 1.5 of their distance.
+    """
     count = len(known)
     if count == 1:
         return np.ones(1)
@@ -115,22 +123,22 @@ def weights(place: float, known: list[float]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Continuation:
-    """The last points of a population, and the candidates listed for them.
+    """What one load point hands to the next: the last points, the candidates and the field.
 
     Attributes
     ----------
     system
         Summits, laws and half-space.
     candidates
-        Summits listed for the last point, if any that last for the next.
+        Candidates of the last point; None if there is no point, or if the list was freed.
     field
-        The smooth part of the last field, if any.
+        Smooth part of the last field, if any.
     points
-        Points to predict the next from, the last one last.
+        Points to predict the next from, in the order in which they were solved.
     heaviest
         Separation [m] and mean pressure [Pa] of the largest load that was solved.
     solution, slope
-        The last solution; in its place, where it is not kept, `normal_stiffness` [Pa/m].
+        The last solution; where it is not kept, `slope` is its `normal_stiffness` [Pa/m].
     """
 
     system: ContactSystem
@@ -142,16 +150,17 @@ class Continuation:
     slope: float = math.nan
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the candidates, which the next solve lists anew, and with the tangent solved."""
+        """Pickle without the candidates, which the next solve lists anew, and with the numbers of
+        the tangent in place of its matrix."""
         solution = None if self.solution is None else self.solution.without_matrix()
         return vars(self) | {"candidates": None, "solution": solution}
 
     def without_contacts(self) -> Continuation:
-        """What the next solve starts from if it lists other candidates."""
+        """The continuation for a next solve that makes a new list of candidates."""
         return replace(self, candidates=None, solution=None, slope=self.normal_stiffness)
 
     def after(self, solution: Solution, candidates: CandidateList, values: Array) -> Continuation:
-        """The continuation from a solution on, with its `Point.values`."""
+        """The continuation with one more point: a solution with its `Point.values`."""
         pressure = solution.load / self.system.nominal_area
         point = Point(solution.separation, pressure, candidates.index, values)
         heaviest = self.heaviest
@@ -167,10 +176,10 @@ class Continuation:
         )
 
     def predicted(self, separation: float, pressure: float | None) -> tuple[Rows, Array]:
-        """Summits to start from, and `Point.values` of each, at a separation or mean pressure."""
+        """Predicted candidates, and `Point.values` of each, at a separation or mean pressure."""
         system = self.system
         if self.points:
-            # at a separation contacts correct what a line misses, if they are not too far
+            # at a separation a line is enough: `corrected_prediction` mends what it misses
             known = self.points[-2:] if pressure is None else self.points
             return self.points[-1].rows, predict(known, separation, len(system))
         rows = system.above(separation)
@@ -179,12 +188,12 @@ class Continuation:
         return rows, values
 
     def rise(self, separation: float, values: Array) -> float:
-        """How far [m] nearly all closed contacts of a free half-space sink with their surroundings
-        on the way to a separation, at which they are predicted to have `values`; 0 in a periodic
-        cell, whose mean does not move.
+        """How far [m] nearly all closed contacts of a free half-space sink as the flat moves from
+        the last point to a separation, where they are predicted to have `values`.
 
-        Under ten times the load a free body sinks by many times its roughness; by what the flat has
-        come closer since the last field, less that, summits are higher over that field.
+        A contact sinks by the fall of the flat less the approach that it gains. Under ten times the
+        load a free body sinks by many times its roughness; candidates are therefore sought at a
+        separation raised by this amount. It is zero in a periodic cell, whose mean does not move.
         """
         if self.system.boundary == "periodic" or not self.points:
             return 0.0
@@ -196,7 +205,8 @@ class Continuation:
         return max(0.0, last.separation - separation - float(np.partition(gained, most)[most]))
 
     def predicted_separation(self, pressure: float) -> float | None:
-        """Separation [m] at a mean pressure [Pa], from the points solved before; None without."""
+        """Separation [m] extrapolated to a mean pressure [Pa], over the logarithm of the pressure;
+        None without points under load."""
         known = [point for point in self.points if point.pressure > 0]
         if not known:
             return None
@@ -227,7 +237,8 @@ class PopulationState:
         Distance of the rigid flat from the mean plane [m]: of the deformed surface for a periodic
         cell (mean gap), of the surface at rest for a free half-space.
     approach, force, stiffness, area
-        Of each summit [m], [N], [N/m], [m^2], shape (n,); zero where it is open.
+        Approach [m], force [N], stiffness [N/m] and contact area [m^2] of each summit, shape (n,);
+        zero for open contacts.
     mean_pressure
         Load over nominal area [Pa].
     contact_area
@@ -237,19 +248,19 @@ class PopulationState:
     filled_share
         Share of the load on contacts that cover more than half of their basin [-].
     residual
-        Upper estimate of the relative error of the load by incomplete solution [-].
+        Upper estimate of the relative error of the load that the Newton steps have left [-].
     converged, reason
         Whether the point can be used, and one sentence if it cannot.
     iterations, products
-        Newton steps and applications of the interaction.
+        Numbers of Newton steps, and of products with the interaction matrix.
     lowest_candidate
-        Height [m] above which a summit can touch in the field of the others.
+        Height [m] below which no summit can touch in the field of the others.
     rows, listed
-        Candidates, shape (k,), and approach, force, stiffness and area of each, shape (4, k).
+        Candidates, shape (k,), and their approach, force, stiffness and area, shape (4, k).
     tilt
         Gradients [-] of the displacement of each candidate by all others, along y and x, (k, 2).
     continuation
-        What the next solve starts from.
+        Start of the next solve.
 
     Examples
     --------
@@ -278,7 +289,7 @@ class PopulationState:
     continuation: Continuation = field(repr=False)
 
     def refused(self, reason: str) -> PopulationState:
-        """The state, marked as one that cannot be used."""
+        """This state marked as not converged, for a `reason`."""
         return replace(self, converged=False, reason=reason)
 
     @functools.cached_property
@@ -308,14 +319,14 @@ class PopulationState:
 
     @property
     def normal_stiffness(self) -> float:
-        """Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix."""
+        """Minus the slope of mean pressure over separation [Pa/m], from the tangent matrix."""
         return self.continuation.normal_stiffness
 
     @property
     def unloading_stiffness(self) -> float:
-        """Minus the slope of mean pressure over separation [Pa/m] as the load begins to fall, where
-        contacts that have yielded keep their areas: the stiffness of elastic contacts of these
-        areas, which the half-space couples."""
+        """Minus the slope of mean pressure over separation [Pa/m] as the load begins to fall.
+
+        Contacts that have yielded keep their areas: it is that of coupled elastic contacts."""
         last, closed = self.continuation, self.listed[1] > 0.0
         stiffness = np.ones(closed.size)
         elastic = last.system.table.elastic_at(self.rows[closed], self.listed[0, closed])
@@ -330,7 +341,7 @@ class PopulationState:
 
     @property
     def response(self) -> Array:
-        """Approach that each contact gains per fall of the flat [-], shape (n,)."""
+        """Approach [m] that each contact gains as the flat falls by 1 m, shape (n,)."""
         last = self.continuation
         gained = np.ones(len(last.system))
         if last.points and last.solution is not None:
