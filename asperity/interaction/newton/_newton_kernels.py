@@ -1,7 +1,8 @@
-"""Compiled shifts of contacts, and loops of the conjugate gradients.
+"""Compiled loops of the contact shifts and of the conjugate gradients.
 
-The shifts are those of `contact_shifts` (docs/development/interaction.md, "Contact shift").
-Preconditioned conjugate gradients for A x = b, and for A x + c = b with the sum of x held, with the
+`shift_contacts` evaluates the equations of `contact_shifts` (docs/development/interaction.md,
+"Contact shift"). `aim` and `advance` are preconditioned conjugate gradients (Hestenes & Stiefel
+1952) for A x = b, and for A x + c = b where the sum of x is held. The preconditioner is the
 inverse D^-1 + D^-1 P E P' D^-1 of `TwoLevelPreconditioner`.
 """
 
@@ -15,16 +16,21 @@ SMALLEST_APPROACH = 1e-200
 """Approach [m] below which a contact stays where it is."""
 
 LONGEST_STEP = 5.0
-"""Steps over the preconditioned residual that are longer meet next to no resistance: they are 0.4
-to 0.9 where the matrix is positive definite, 1.8 at most on random maps, 3 to 5 where a lattice of
-equal summits is about to fill."""
+"""Largest step over the preconditioned residual. A longer one means that the matrix is hardly
+positive along it. Steps are 0.4 to 0.9 where the matrix is positive definite, 1.8 at most on random
+maps, 3 to 5 where a lattice of equal summits is about to fill."""
 
 
 @compiled()
 def shift_contacts(
     force, stiffness, approach, tilt, radii, modulus, power, limit, gain, shift, moment
 ):
-    """Height gained, shift and force times shift (n, 2) of each contact."""
+    """Fill `gain`, `shift` and `moment`: height gained, shift, and force times shift (n, 2).
+
+    With R = a^2 / (p d), a the punch radius (k = 2 E* a^p / p), the free shift of a contact is
+    -R g and its gain R g^2 / 2. Both are multiplied by b / (b + R g^2 / 2), b = `limit`^2 p d / 2,
+    which bounds the shift by `limit` a.
+    """
     for i in range(force.size):
         y, x, rise = 0.0, 0.0, 0.0
         if force[i] > 0.0 and approach[i] > SMALLEST_APPROACH:
@@ -45,7 +51,11 @@ def shift_contacts(
 
 @compiled(fastmath=QUOTIENTS)
 def lag(force, stiffness, tilt, shift, next_shift, moved, gain):
-    """Share of the load that the difference between `shift` and `next_shift` can make."""
+    """Share of the load by which the step from `shift` to `next_shift` can still change it.
+
+    The relative change of the work of the moments, sum F |g| |ds| / sum F |g| |s|, times the load
+    that all contact shifts make: the larger of sum k |moved| and sum 2 k gain.
+    """
     whole = 0.0
     change = 0.0
     others = 0.0
@@ -65,12 +75,14 @@ def lag(force, stiffness, tilt, shift, next_shift, moved, gain):
 
 @compiled()
 def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
-    """New `direction`: the preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its
-    sum zero if held, plus the old one times the sum of r z over the `last` such sum.
+    """Next conjugate direction, in place: p <- z + (r.z / `last`) p.
 
-    `inverse` and `total` are E and K of `TwoLevelPreconditioner`, `far` (3, cells) is scratch.
-    Returns the sum of k (r - c)^2, c, the mean of r weighted by k if held, else zero, and the sum
-    of r z.
+    z is the preconditioned residual, z_i = k_i (r_i + far_c) with the cell c of contact i; with
+    `held` its sum is zero. `last` is r.z of the step before. `inverse` and `total` are E and K of
+    `TwoLevelPreconditioner`; `far` (3, cells) is scratch.
+
+    Returns the sum of k (r - c)^2, the number c, which is the mean of r weighted by k if `held` and
+    else zero, and r.z.
     """
     count = total.size
     square = 0.0
@@ -116,9 +128,12 @@ def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
 def advance(
     product, direction, image, solution, residual, stiffness, cell, inverse, total, held, far
 ):
-    """One step of conjugate gradients along `direction` with the matrix's `image` of it, and the
-    next direction. Returns whether one was taken, which is not done along directions of negative or
-    next to no curvature, and what `aim` does."""
+    """One step of conjugate gradients along `direction`, whose product with the matrix is `image`,
+    and the next direction.
+
+    Returns whether the step was taken, and what `aim` returns. A step along a direction of negative
+    or hardly any curvature (`LONGEST_STEP`) is not taken.
+    """
     curvature = 0.0
     for i in range(direction.size):
         curvature += direction[i] * image[i]

@@ -1,4 +1,4 @@
-"""End of a descent: the final Newton step, and the response to a fall of the plane."""
+"""End of a descent: the last Newton step, and the response to a fall of the flat."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ LINEAR_TOLERANCE = 0.2
 """Relative accuracy of the linear solve of a step."""
 
 RESPONSE_TOLERANCE = 0.1
-"""Relative accuracy of the response to a fall of the plane; the sum of the response is right to
-twice as many digits."""
+"""Relative accuracy of the response to a fall of the flat. The error of the sum of the response is
+of second order in it."""
 
 MAX_FALLS = 2
-"""Small falls of the plane that bring a point to its load."""
+"""Number of small falls of the flat that bring a point to its load after the last Newton step."""
 
 Array = NDArray[np.float64]
 
@@ -44,19 +44,20 @@ class Solution:
     laws
         Laws at the approach.
     tilt
-        Gradients [-] of the displacement at this point, as far as they have settled, shape (n, 2).
+        Gradients [-] of the displacement, shape (n, 2), for the prediction of the next point.
     residual
         sum |r_i| k_i over sum F_i, an upper estimate of the relative error of the load.
     steps, products
-        Newton steps, and applications of the interaction in all.
+        Numbers of Newton steps, and of products with the interaction matrix.
     reason
-        "" if converged.
+        Why the solve failed; empty if it converged.
     shares
-        Approach that each contact gains per fall of the plane [-], shape (n,), as far as known.
+        Approach that each contact gains per fall of the flat [-], shape (n,): a guess while `slope`
+        is None.
     slope
-        Minus the slope of the load over the separation [N/m]; None until `tangent` is asked for.
+        Minus the slope of the load over the separation [N/m]; None if `tangent` has to solve it.
     linearized
-        State whose tangent matrix holds here, as long as `slope` is not known.
+        State whose tangent matrix `tangent` solves, if `slope` is None.
     """
 
     separation: float
@@ -79,14 +80,14 @@ class Solution:
 
     @property
     def values(self) -> Array:
-        """What the next point is predicted from, `population_state.Point.values`, shape (5, n)."""
+        """`population_state.Point.values` of this solution, shape (5, n)."""
         return np.stack((self.wanted, self.laws.force, *self.tilt.T, self.shares))
 
     @functools.cached_property
     @np.errstate(all="ignore")  # of a point that is refused
     def tangent(self) -> tuple[float, Array]:
         """Minus the slope of the load over the separation [N/m], and the approach that each contact
-        gains per fall of the plane [-], shape (n,)."""
+        gains per fall of the flat [-], shape (n,)."""
         if self.slope is not None:
             return self.slope, self.shares
         state = self.linearized
@@ -94,14 +95,17 @@ class Solution:
         return tangent_response(tangent_of(state), state, self.shares)[:2]
 
     def without_matrix(self) -> Solution:
-        """The solution with its tangent in numbers, and not what these are made from."""
+        """The solution with the numbers of its tangent, without the state to solve them from."""
         slope, shares = self.tangent
         return replace(self, slope=slope, shares=shares, linearized=None)
 
 
 def finished(state: State, found: Solution, load: float) -> Solution:
-    """After the last Newton step, which is taken without a look at what it leaves, and at the load:
-    the rest of it follows from the answer to a fall of the plane, by the same tangent."""
+    """The solution after one more Newton step from `state`, brought to the `load` [N].
+
+    The residual after this step is not computed, which would cost another field. The load that the
+    step misses is made up by a fall of the flat, with the response of the same tangent matrix.
+    """
     tangent = tangent_of(state)
     rows, error = tangent.index, state.error[tangent.index]
     move = Step(state, tangent)
@@ -130,20 +134,27 @@ def finished(state: State, found: Solution, load: float) -> Solution:
 
 
 def tangent_response(tangent: Tangent, state: State, compliance: Array) -> tuple[float, Array, int]:
-    """Minus the slope of the load over the separation [N/m], the approach that each contact gains
-    per fall of the plane [-], shape (n,), from a guess of it, and the products spent; by a tangent
-    that serves no more afterwards."""
+    """Response of the contacts to a fall of the flat, with the tangent matrix of a state.
+
+    Starts from the guess `compliance` of the second result. Overwrites the matrix.
+
+    Returns
+    -------
+    slope, shares, products
+        Minus the slope of the load over the separation [N/m], the approach that each contact gains
+        per fall of the flat [-], shape (n,), and the number of products.
+    """
     shares, rows = np.ones(len(state.error)), tangent.index
     if not len(rows):
         return 0.0, shares, 0
-    # footprints that grow would make it too soft
+    # without the growth of the footprints (`State.extra`), which makes the response too soft
     tangent.stiffen(1 / state.stiffness[rows] - tangent.compliance)
     start = shared(None, compliance, tangent)
     solved = conjugate_gradients(
         tangent, np.ones(len(rows)), tolerance=RESPONSE_TOLERANCE, start=start
     )
     shares[rows] = solved.solution * tangent.compliance
-    # stationary in the solution, so that its error counts twice
+    # x.(1 + residual) is stationary in the solution x: its error is of second order
     return float(np.sum(solved.solution * (1 + solved.residual))), shares, solved.products
 
 
@@ -155,7 +166,9 @@ def tangent_of(state: State) -> Tangent:
 
 
 def shared(missing: float | None, compliance: Array, tangent: Tangent) -> Array:
-    """A missing load [N] as the contacts will share it; per fall of the plane [N/m] if None."""
+    """Guess of the forces [N] by which the contacts share a `missing` load [N]; if that is None, of
+    the forces per fall of the flat [N/m]. `compliance` is the approach that each contact gains per
+    fall of the flat [-], (n,)."""
     shares = compliance[tangent.index] / tangent.compliance
-    total = float(shares.sum()) or 1.0  # none of contacts without a stiffness
+    total = float(shares.sum()) or 1.0  # zero if no contact has a stiffness
     return shares if missing is None else missing / total * shares

@@ -1,4 +1,4 @@
-"""Contact laws of all summits as the solver needs them: force, energy and footprint moment."""
+"""Contact laws in the form that the Newton solver needs: force, energy and footprint moment."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ from surfaces.numerics.parallel import blocks, run
 __all__ = ["FILLED_SHARE", "LARGEST_STIFFNESS", "LEAST_BATCH", "Evaluated", "Laws"]
 
 LEAST_BATCH = 128
-"""Laws made at least at a time, on demand."""
+"""Least number of laws made at a time."""
 
 LEAST_SPARE_LAWS = 64
-"""Laws made at least besides those that are missing, where it is known which laws will be needed
-later: with half as many one more block is made at the last load."""
+"""Least number of laws made beyond those that are missing, if `Laws.foresee` has named the laws
+that will be needed later. With 32 one more batch is made at the last load."""
 
 CONTACTS_PER_THREAD = 10_000
-"""Contacts whose laws repay a thread."""
+"""Number of contacts whose evaluation is worth a thread."""
 
 SMALL_REST = 400
-"""Laws left to make up to which all are made at once: several small batches would cost more."""
+"""Number of laws not yet made, up to which all are made at once: small batches would cost more."""
 
 FILLED_SHARE = 0.5
-"""Contact area over that at reach, the whole basin, beyond which a contact counts as filled."""
+"""Contact area over the area at reach (the whole basin) beyond which a contact counts as filled."""
 
 LARGEST_STIFFNESS = 1.5
 """Largest stiffness over that of a round punch of the same area; an ellipse of 6:1 has 1.28."""
 
 LEAST_STIFFNESS = 1e-3
-"""Least stiffness over the largest of a contact whose pressure a hardness bounds."""
+"""Least stiffness of a contact under a hardness, over its largest stiffness."""
 
 LEAST_FORCE = 1e-3
-"""Least force over that at reach, per square of the approach over it."""
+"""Least force over the force at reach: `LEAST_FORCE` times the square of approach over reach."""
 
 
 class Evaluated:
-    """Laws of some contacts at their approaches; arrays over the contacts.
+    """Values of the laws of some contacts at their approaches; arrays over the contacts.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Evaluated:
     moment
         m = (1/F) int_0^F v(k) dF [m^2], the variance of the footprint of the whole force.
     growth
-        F dm/dF = v - m [m^2], by which the footprint of an increment exceeds it.
+        F dm/dF = v - m [m^2]: the footprint of an increment of the force is wider by it.
     """
 
     __slots__ = ("area", "energy", "force", "growth", "moment", "stiffness")
@@ -68,20 +68,20 @@ class Evaluated:
 class Laws:
     """Force, energy and footprint moment of many contacts over their approach.
 
-    The rows of the law table `nodes` are made when they are needed; those that belong to these
-    contacts are `index`, shape (n,).
+    The rows of the law table `nodes` are made when they are needed; `index`, shape (n,), holds the
+    rows of these contacts.
 
     Notes
     -----
-    What is tabulated, and how it is evaluated between the nodes: `law_kernels`.
+    `law_kernels` says what is tabulated, and how it is evaluated between the nodes.
 
-    The coupled problem needs what every true law has (docs/development/half_space.md): a contact
-    grows with its approach, and its stiffness with it, up to that of a flat punch of the contact. A
-    table that breaks this gets the largest convex force below its own, no steeper than
-    `LARGEST_STIFFNESS` times a round punch of its largest area; nodal stiffnesses are kept between
-    those of the neighboring intervals. With a hardness the stiffness may fall, and only the force
-    has to grow;
-    what it exceeds the table by, beyond the reach, is carried at the hardness on more area.
+    The coupled problem has one solution if forces and stiffnesses grow with the approach, and no
+    stiffness exceeds that of a flat punch of the contact area, as in every exact law
+    (docs/development/half_space.md). The force of a table that breaks this is replaced by its
+    largest convex minorant, with slopes up to `LARGEST_STIFFNESS` times that of a round punch of
+    the largest area; nodal stiffnesses are kept between those of the neighboring intervals. With a
+    hardness the stiffness may fall, and only the force has to grow; a force beyond the reach acts
+    at the hardness on more area.
     """
 
     def __init__(self, nodes: LawTable | LazyTable, footprints: Footprints) -> None:
@@ -102,7 +102,7 @@ class Laws:
 
     @property
     def table(self) -> LazyTable:
-        """Laws of all contacts as they were given."""
+        """Law table of all contacts, without these changes."""
         return self.store.nodes
 
     @property
@@ -116,8 +116,8 @@ class Laws:
         return self.store.ready[self.index]
 
     def __call__(self, approach: NDArray[np.float64]) -> Evaluated:
-        """Laws at the approaches [m], shape (n,), of contacts whose laws are made; zero force where
-        approaches are not positive."""
+        """Evaluate the laws, which are made, at the approaches [m], shape (n,); the force is zero
+        where an approach is not positive."""
         out, store = Evaluated(len(approach)), self.store
         assert store.complete or store.ready[self.index[approach > 0]].all(), "laws are missing"
         run(
@@ -145,10 +145,10 @@ class Laws:
         return out
 
     def lacking(self, wanted: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Contacts that want to close and whose laws are missing, and with them those that come
-        next; none if no law is missing.
+        """Contacts whose laws are to be made next: those that are about to close, with those that
+        are nearest to closing; none if no contact about to close lacks its law.
 
-        `wanted` is the approach [m] where positive, minus the gap elsewhere, shape (n,).
+        `wanted` is `Solution.wanted`: positive where a contact is about to close, shape (n,).
         """
         if self.store.complete:
             return np.empty(0, np.int64)
@@ -162,8 +162,8 @@ class Laws:
         return missing[np.argsort(-wanted[missing], kind="stable")[:block]]
 
     def foresee(self, rows: NDArray[np.int64] | None) -> None:
-        """Let the laws of the contacts `rows` be made with the next that are made, and few besides;
-        None: as many as come next, since nothing is known of what will be needed."""
+        """Name the contacts `rows` that will need their laws later: these are made with the next
+        batch. None: unknown; batches are then larger."""
         self.store.ahead = None if rows is None else self.index[rows]
 
     def make(self, some: NDArray[np.bool_] | NDArray[np.int64] | None = None) -> None:
@@ -172,15 +172,15 @@ class Laws:
             self.store.need(self.index if some is None else self.index[some])
 
     def filled(self, law: Evaluated) -> NDArray[np.bool_]:
-        """Which contacts cover more than `FILLED_SHARE` of the area that they have at reach."""
+        """Whether each contact covers more than `FILLED_SHARE` of its area at reach."""
         return np.asarray(law.area > FILLED_SHARE * self.store.largest.take(self.index))
 
 
 class _Store:
-    """The rows of `Laws`, made all at once or as they are needed.
+    """The table of `Laws`, made all at once or as rows are needed.
 
-    The table holds them in the order in which they are made, `place` says where: most contacts of
-    a large surface never touch, and memory that is never touched costs nothing.
+    Rows stand in the table in the order in which they are made, at `place`: most summits of a large
+    surface never touch, and memory pages that are never written cost nothing.
     """
 
     def __init__(self, nodes: LazyTable, footprints: Footprints) -> None:
@@ -194,7 +194,7 @@ class _Store:
         self.ahead: NDArray[np.int64] | None = None
 
     def need(self, rows: NDArray[np.int64]) -> None:
-        """Make the rows that are missing, and with them those needed later (`ahead`)."""
+        """Make those of the `rows` that are missing, and with them those needed later (`ahead`)."""
         rows = rows[~self.ready[rows]]
         if rows.size:
             left = np.flatnonzero(~self.ready)
@@ -252,7 +252,7 @@ def _sound(
     stiffness: NDArray[np.float64],
     cap: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Forces and stiffnesses that both grow."""
+    """Nodal forces and stiffnesses of elastic laws, changed so that both grow (`Laws`)."""
     steps = force.shape[1] - 1
     slack = 1e-6 * stiffness[:, -1:]
     broken = (np.diff(stiffness, axis=1) < -slack).any(axis=1)
@@ -275,13 +275,13 @@ def _sound(
 
 
 def _shares(steps: int) -> NDArray[np.float64]:
-    """Approaches at the nodes over the reach."""
+    """Approach over reach at the nodes."""
     return np.asarray((np.arange(steps + 1) / steps) ** 2)
 
 
 def _rising(force: NDArray[np.float64], u2: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Forces at the nodes, of approaches `u2` over the reach, at least those of laws that rise a
-    little from the start: one that stands still would have an infinite compliance."""
+    """Nodal forces at the approaches `u2` over the reach, raised to those of `LEAST_FORCE`: a law
+    without a force at first would have an infinite compliance."""
     return np.maximum(force, LEAST_FORCE * force[:, -1:] * u2**2)
 
 
@@ -290,7 +290,8 @@ def _growing(
     stiffness: NDArray[np.float64],
     cap: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Forces that grow, with stiffnesses between a part of the largest and `cap`."""
+    """Nodal forces of laws with a hardness, changed so that they grow, and nodal stiffnesses, kept
+    between `LEAST_STIFFNESS` of the largest and `cap`."""
     least = LEAST_STIFFNESS * stiffness.max(axis=1, keepdims=True)
     bounded = np.clip(stiffness, np.minimum(least, cap[:, None]), cap[:, None])
     grown = np.maximum.accumulate(_rising(force, _shares(force.shape[1] - 1)), axis=1)

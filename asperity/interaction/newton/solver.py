@@ -17,51 +17,52 @@ __all__ = ["descent"]
 
 MAX_NEWTON_STEPS = 60
 MAX_LOADED_STEPS = 30
-"""Newton steps under a load before its separation is searched for instead."""
+"""Newton steps under a load before the separation is searched for instead."""
 
 MAX_LONG_STEPS = 24
-"""Newton steps with elongated footprints before round ones are taken instead: long ones can overlap
-so far that their approximate sum has no solution, or several."""
+"""Newton steps with elongated footprints before round ones are taken instead: long footprints can
+overlap so far that their approximate sum has no solution, or several."""
 
 MAX_CUTS = 20
-"""Times that a step is halved: shorter ones still lower the energy, but settle nothing. Of crowded
-ridges that stood still, every step took 22 to 27; of others that settled, some took up to 19."""
+"""Halvings of a Newton step in the line search: shorter steps still lower the energy, but settle
+nothing. Crowded ridges that stood still halved every step 22 to 27 times; of contacts that settled
+in the end, some steps were halved up to 19 times."""
 
 ENERGY_NOISE = 1e-10
-"""Share of the energies below which a change of energy is not known: pairs are tabulated."""
+"""Change of energy, over the sum of the energies, that is within the error of the pair tables."""
 
 EARLY_RELAXATION = 0.8
-"""Share of the change of the contact shifts that an early step takes: more force here means less
-there, so that the full change overshoots."""
+"""Share of the change of the contact shifts that the first steps take. Where forces rise, those of
+the neighbors fall, so that the full change overshoots."""
 
 PREDICTED_SHIFT_SHARE = 0.6
-"""Share of the change of the contact shifts that a point leaves for the next prediction: what is
-extrapolated doubles the differences that points leave, and overshoots grew from point to point."""
+"""Share of the last change of the contact shifts that the next prediction starts from: the
+extrapolation doubles the differences between points, and with 1 they grew from point to point."""
 
 FIXED_RELAXATION_STEPS = 3
-"""Newton steps from which on the share is taken from how the last change went."""
+"""Number of steps with `EARLY_RELAXATION`; later ones take the share by Aitken's method."""
 
 RELAXATION_BOUNDS = (0.2, 1.0)
 """Least and largest share."""
 
 ARMIJO_SHARE = 1e-4
-"""Share of the predicted fall of energy that a step must reach (Armijo)."""
+"""Share of the predicted fall of energy that a step must reach (Armijo 1966)."""
 
 REFINED_RESIDUAL = 0.03
-"""Residual above which the laws are taken anew within a step."""
+"""Residual above which a step evaluates the laws twice (`Step.refine`)."""
 
 AVERAGING_CONTACTS = 400
-"""Closed contacts from which on the errors of both signs average out: under a load, the residual of
-fewer is held to a bound smaller in proportion."""
+"""Number of closed contacts whose errors of both signs average out. Under a load, the bound on the
+residual of fewer contacts is smaller in proportion."""
 
 MISSED_LOAD = 1e-3
-"""Relative error of the load after the last step, beyond which it went astray."""
+"""Relative error of the load above which the last step counts as failed."""
 
 CLOSER = 0.1
-"""Tolerance with which a last step that went astray is tried again, over that asked for."""
+"""Factor of the tolerance with which a point is solved again if its last step failed."""
 
 ROUGH_LINEAR_TOLERANCE = 0.3
-"""Relative accuracy of the linear solve of such a step; half of it after the laws are renewed."""
+"""Relative accuracy of the linear solve above `REFINED_RESIDUAL`; half of it in `Step.refine`."""
 
 Array = NDArray[np.float64]
 
@@ -76,36 +77,44 @@ def descent(
     load: float | None = None,
     compliance: Array | None = None,
 ) -> Generator[NDArray[np.int64], None, Solution]:
-    """Minimize the energy over non-negative forces.
+    """Minimize the energy of the contacts over non-negative forces.
 
-    Yields the contacts whose laws it lacks, which are to be made before it goes on, and returns the
+    Yields the contacts whose laws are missing; the caller makes them and goes on. Returns the
     solution.
 
-    It starts from approaches [m], shape (n,), whose laws are made where they are positive, and from
-    the gradients [-] `tilt` of the contact shifts, shape (n, 2), none if None. At a separation s
-    [m] the tolerance bounds `Solution.residual`; if the sum of the forces is to reach a `load` [N],
-    positive, the separation is a first guess, and half of the tolerance bounds the relative error
-    of the load. `compliance` is how much of a small fall of the plane each contact takes up as
-    approach [-], shape (n,), the first guess of how a missing load is shared; all of it if None.
+    Parameters
+    ----------
+    separation
+        Separation s [m]; a first guess if there is a `load`.
+    start
+        Approaches [m] to start from, shape (n,). Laws of positive approaches are made.
+    tolerance
+        Bound on `Solution.residual`; under a `load`, half of it bounds the error of the load.
+    tilt
+        Gradients [-] that the contact shifts start from, shape (n, 2); None: zero.
+    load
+        Sum of the forces [N] to reach, positive; None: the separation is given.
+    compliance
+        Approach that each contact gains per fall of the flat [-], shape (n,): the first guess of
+        how contacts share a missing load. None: 1.
 
     Notes
     -----
-    Newton steps on the closed contacts, and on the open ones that would overlap. The matrix is
-    positive definite at every point (`Tangent`), so each step descends; it is taken in the
-    approach, cut back to non-negative values, and shortened until the energy falls by a fixed share
-    of its slope (Armijo). At a given separation the energy falls at every step and is bounded
-    below. Under a given load the separation is one more unknown of each step, the multiplier of
-    sum F = load, and the step has to lower the energy at its own new separation.
+    The energy is that of `State`. Newton steps go over the closed contacts, and over the open ones
+    that would overlap. The matrix is positive definite at every point (`Tangent`), so each step
+    descends. A step is taken in the approach, cut back to non-negative values, and halved until
+    the energy falls by a fixed share of its slope (Armijo). At a given separation the energy falls
+    at every step and is bounded below. Under a given load the separation is one more unknown of
+    each step, the multiplier of sum F = load; the energy has to fall at the new separation.
 
-    The contact shifts are held while a step is taken, and follow one step behind the forces.
-    A point is final if its residual is small together with what the last change of the shifts can
-    still do to it (`State.lag`).
+    The contact shifts are held during a step, and follow one step behind the forces. The solve ends
+    if the residual plus the effect of the last change of the shifts (`State.lag`) is small.
     """
     tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
     if compliance is None:
         compliance = np.ones(len(start))
     for bound in (tolerance, CLOSER * tolerance):
-        # what the steps held is gone before the last one
+        # a call of its own, so that the arrays of its last step are freed before `finished`
         solution = yield from _newton_steps(
             problem, separation, start, tilt, load, compliance, bound
         )
@@ -129,7 +138,7 @@ def _newton_steps(
     compliance: Array,
     tolerance: float,
 ) -> Generator[NDArray[np.int64], None, Solution]:
-    """`descent` up to its last step."""
+    """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_NEWTON_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
@@ -216,10 +225,11 @@ def _relaxed(
     behind: Array,
     stiffness: Array,
 ) -> float:
-    """Share that would have removed the most of the last difference (Aitken), within bounds.
+    """Relaxation factor of Aitken: the share of the change `last` that would have made the present
+    difference `behind` smallest, weighted by stiffness, within `RELAXATION_BOUNDS`.
 
     Contacts on one ridge can pass their load back and forth, or pull each other along: no fixed
-    share settles both.
+    share makes both converge.
     """
     change = behind - last
     whole = float(np.sum(stiffness * change * change))
@@ -230,14 +240,16 @@ def _relaxed(
 
 
 def _forcing(residual: float, tolerance: float) -> float:
-    """Relative accuracy of the linear solve: no better than the step deserves."""
+    """Relative accuracy of the linear solve of a step, looser where the residual is large (inexact
+    Newton method, Eisenstat & Walker 1996)."""
     if not 0.0 < residual < REFINED_RESIDUAL:
         return ROUGH_LINEAR_TOLERANCE
     return min(0.5 * LINEAR_TOLERANCE, max(0.02, 0.5 * tolerance / residual))
 
 
 def _line_search(state: State, move: Step, change: Array, tilt: Array) -> tuple[State | None, int]:
-    """First point along the step at which the energy has fallen enough, and how many were tried."""
+    """First state along the step at which the energy has fallen enough, None if there is none, and
+    the number of states tried."""
     for tried in range(1, MAX_CUTS + 1):
         found = _taken(state, move, change, tilt)
         if found:
@@ -247,7 +259,7 @@ def _line_search(state: State, move: Step, change: Array, tilt: Array) -> tuple[
 
 
 def _taken(state: State, move: Step, change: Array, tilt: Array) -> State | None:
-    """The point after a change of the forces, if the energy has fallen enough there."""
+    """The state after a change of the forces [N], None if its energy has not fallen enough."""
     approach = np.zeros(len(state.approach))
     approach[move.rows] = move.approach(change)
     trial = State(state.problem, approach, tilt)

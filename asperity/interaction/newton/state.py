@@ -1,4 +1,4 @@
-"""The coupled problem of contacts that may close, and a trial point of it with its balance."""
+"""The coupled problem of the candidates, and a trial state with its balance of displacements."""
 
 from __future__ import annotations
 
@@ -21,11 +21,10 @@ __all__ = ["Problem", "State"]
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Contacts that may close, their laws and their interaction in the same order.
+    """Heights z [m] of the candidates, (n,), their laws and their interaction, in one order.
 
-    Their summits have the heights z [m], shape (n,). With `contact_shift` they shift under the
-    slope of the field (`contact_shifts`), as far as `fitted` says; their footprints are round if
-    `elongation` is None.
+    With `contact_shift` contacts shift under the slope of the field (`contact_shifts`), bounded by
+    `fitted`. Footprints are round if `elongation` is None.
     """
 
     height: NDArray[np.float64]
@@ -37,55 +36,58 @@ class Problem:
 
     @property
     def form(self) -> NDArray[np.float64]:
-        """Moments of the footprints over their variance, shape (n, 3); contacts that do not move
-        aside are taken as round."""
+        """Second moments of the footprints over their variance, shape (n, 3). Footprints are round
+        without contact shift."""
         if self.elongation is None or not self.contact_shift:
             return self.plan.round
         return self.elongation.moments
 
     @property
     def radii(self) -> NDArray[np.float64]:
-        """Radii of curvature over those of round contacts, shape (n, 3); zero for contacts that do
-        not move aside."""
+        """Radii of curvature over those of round contacts, shape (n, 3); zero without contact
+        shift."""
         if not self.contact_shift:
             return np.zeros((len(self.height), 3))
         return self.plan.round if self.elongation is None else self.elongation.radii
 
 
 class State:
-    """A trial point: approaches d >= 0, the laws there, the field of the forces, and how far it is
-    from balance.
+    """A trial state: approaches d >= 0, their laws, the field of their forces, and the residual.
 
     Attributes
     ----------
     problem
         Contacts.
     approach, laws, field
-        d [m], the laws there, and the field of their forces.
+        Approaches d [m], the laws at d, and the field of the forces.
     shift, next_shift
-        Shifts of the contacts [m] whose field was taken, and those that belong to this field
-        (`contact_shifts`), shape (n, 2).
+        Contact shifts [m] that the field was computed with, and those that follow from the slope of
+        this field (`contact_shifts`), shape (n, 2).
     gain
         Heights [m] gained by `next_shift`, shape (n,).
     separation
-        Separation [m] at which `balance` has judged the contacts; it sets all that follows.
+        Separation s [m] of `balance`, which sets this and the attributes below.
     gap, wanted, error
-        z - s, z - s - u, and by how much this exceeds the approach [m], shape (n,).
+        z - s, z - s - u, and z - s - u - d [m], shape (n,).
     closing, sums
-        Contacts about to close, and the sums of |error| k and of the force over the closed ones.
+        Contacts about to close; sum of |error| k, and sum of F, over the closed contacts.
     active
-        Contacts that are closed or about to close, bool, shape (n,).
+        Whether each contact is closed or about to close, shape (n,).
     stiffness, growth, force, base
-        Laws of the active contacts, and the approach [m] where they were taken, shape (n,).
+        Laws of the active contacts, and the approach [m] at which they were evaluated, shape (n,).
     relative
-        sum |error_i| k_i over sum F_i.
+        Residual: sum |error_i| k_i over sum F_i.
 
     Notes
     -----
-    With the pair energy F_i F_j N(r; m_i, m_j), the energy at separation s is
-    E = sum_i [U*_i(F_i) - (z_i - s) F_i] + 1/2 sum_ij F_i F_j N_ij, U* = F d - U, and its gradient
-    is dE/dF_i = d_i + u_i - (z_i - s), u_i = v0_i + growth_i v1_i: the growth of the footprint with
-    its force is part of the gradient, so that the residual is that of one energy.
+    With the pair energy F_i F_j N(r; m_i, m_j) of footprints of moments m, the energy at the
+    separation s is
+
+        E = sum_i [U*_i(F_i) - (z_i - s) F_i] + 1/2 sum_ij F_i F_j N_ij,   U* = F d - U,
+
+    and its gradient is dE/dF_i = d_i + u_i - (z_i - s), u_i = v0_i + growth_i v1_i with v0, v1 the
+    `value` and `slope` of the field. The second term is the growth of the footprint with its force:
+    with it the residual is the gradient of one energy.
     """
 
     def __init__(
@@ -103,13 +105,14 @@ class State:
 
     @property
     def risen(self) -> NDArray[np.float64]:
-        """Height [m] that each contact gains by its own shift and loses by those of the others."""
+        """Height [m] that each contact gains by its own shift, less what the shifts of the others
+        take from it."""
         return self.gain - self.field.moved
 
     @property
     def lag(self) -> float:
-        """Share of the load that the difference between `shift` and `next_shift` can make: that
-        of the moments' work, times the weight of all contact shifts."""
+        """Share of the load by which the step from `shift` to `next_shift` can still change it
+        (`_newton_kernels.lag`)."""
         return float(
             _newton_kernels.lag(
                 self.laws.force,
@@ -123,10 +126,10 @@ class State:
         )
 
     def balance(self, separation: float, balanced: bool) -> None:
-        """Judge the contacts at a separation [m]; `linearize` follows.
+        """Compute the residual at a separation [m]; `linearize` is called next.
 
-        If `balanced` it is moved first to where the errors of the closed contacts, times stiffness,
-        cancel.
+        If `balanced`, the separation is first changed so that the sum of error times stiffness over
+        the closed contacts is zero.
         """
         law, field = self.laws, self.field
         gap = self.problem.height - separation + self.gain - field.moved - field.longer
@@ -142,10 +145,10 @@ class State:
         self.sums = wrong, float(law.force.sum())
 
     def linearize(self) -> None:
-        """Take the tangent data of the active contacts, whose laws are made by now.
+        """Set the stiffness, growth, force and base of the active contacts, whose laws are made.
 
-        A contact about to close has no stiffness yet: it gets that at half the approach it wants,
-        and counts with its force there.
+        A contact about to close has no stiffness yet. It is linearized at half of `wanted`, and its
+        force there counts as an error.
         """
         law, (error, load) = self.laws, self.sums
         stiffness, growth, force, base = law.stiffness, law.growth, law.force, self.approach
@@ -165,20 +168,20 @@ class State:
 
     @property
     def extra(self) -> NDArray[np.float64]:
-        """Extra compliance [m/N], shape (n,): what the growth of a contact's own footprint in the
-        field of the others adds to its tangent, dv/dF dN/dm, with dv/dF = 5/3 (v - m)/F as for
-        Hertz; only its positive part is kept, which leaves the matrix positive definite."""
+        """Extra compliance [m/N] of each contact, shape (n,), by the growth of its footprint in the
+        field of the others: dv/dF dN/dm with dv/dF = 5/3 (v - m)/F of a Hertz contact. Only its
+        positive part is kept, which leaves the tangent matrix positive definite."""
         pull, force = np.maximum(self.growth * self.field.slope, 0.0), self.force
         return np.divide(5 / 3 * pull, force, out=np.zeros(len(force)), where=force > 0)
 
     def raised(self, change: NDArray[np.float64] | float) -> None:
-        """Take the state with all summits higher by `change` [m]."""
+        """Raise the summits by `change` [m]: changes gap, wanted and error."""
         self.gap, self.wanted = self.gap + change, self.wanted + change
         self.error = self.error + change
 
     def energy_change(self, other: State) -> tuple[float, float, float]:
-        """From this point to another: change of energy [J] at the gaps that are held, the change
-        that the errors here predict, and the size of the energies."""
+        """Change of energy [J] from this state to another at the gaps of this one, the change to
+        first order in the forces, and the sum of the absolute energies of this state."""
         before, after = (
             state.laws.force * (state.approach + 0.5 * state.field.value - self.gap)
             - state.laws.energy

@@ -1,5 +1,5 @@
-"""One Newton step of the contacts: conjugate gradients for the tangent matrix, from forces to
-approaches with the laws at both ends, and a prediction put right before its field is taken.
+"""One Newton step of the contacts: the linear solve by conjugate gradients, the step from forces to
+approaches, and a Newton step that corrects a prediction before its field is computed.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ __all__ = ["Solved", "Step", "conjugate_gradients", "corrected_prediction"]
 Array = NDArray[np.float64]
 
 OPENED_COMPLIANCE = 1e6
-"""Compliance, over that in the tangent, of contacts that a step has opened: they stay open while
-their neighbors change."""
+"""Factor on the compliance of contacts that a step has opened: they stay open while their neighbors
+change."""
 
 BEST_LINEAR_TOLERANCE = 0.05
-"""Relative accuracy of the linear solve at best: of many contacts a rougher one left a third of the
-points to a Newton step, which costs twice as much as the rest."""
+"""Best relative accuracy of the linear solve of a prediction. With less accuracy a third of the
+points of many contacts needed a Newton step, which costs twice as much as the rest."""
 
 
 class Solved(NamedTuple):
-    """Result of `conjugate_gradients`: x, what is left of the right side, c, and products spent."""
+    """Result of `conjugate_gradients`: x, the residual b - A x, c, and the number of products."""
 
     solution: NDArray[np.float64]
     residual: NDArray[np.float64]
@@ -48,12 +48,13 @@ def conjugate_gradients(
     held: bool = False,
     limit: int = 200,
 ) -> Solved:
-    """Solve `matrix` x = `right`, preconditioned by the contacts' own stiffness and, if they are
-    many, by cells of them (`TwoLevelPreconditioner`), in `limit` products at most.
+    """Solve `matrix` x = `right` by at most `limit` products.
 
-    The tolerance is the fall of the residual, weighted by stiffness, against that of x = 0. From a
-    `start` of zero (None) any iterate is a direction of descent. With `held` it solves `matrix` x +
-    c = `right` for x and the number c instead, with the sum of x held as in `start`.
+    The preconditioner is the stiffness of the contacts; for many contacts a solve on coarse cells
+    is added (`TwoLevelPreconditioner`). `tolerance` bounds the residual, weighted by stiffness,
+    over that of x = 0. From a `start` of zero (None) every iterate is a direction of descent. With
+    `held` the system is `matrix` x + c = `right` for x and the number c, and the sum of x stays
+    that of `start`.
     """
     stiffness, cell = 1 / matrix.compliance, matrix.cell
     inverse, total = matrix.far
@@ -76,7 +77,7 @@ def conjugate_gradients(
             product, direction, matrix(direction), solution, residual, *system
         )
         if not taken:
-            # pairs of elongated footprints are approximate, and the matrix with them
+            # not positive definite: the matrix of elongated footprints is an approximation
             solution = solution + direction if count == first else solution
             break
         (error, mean, product), count = after, count + 1
@@ -84,8 +85,8 @@ def conjugate_gradients(
 
 
 class Step:
-    """The active contacts of a state after `State.balance`, their displacement linear in the change
-    of their forces. All arrays run over the points of the tangent matrix there, which `refine`
+    """A Newton step from a state after `State.linearize`: displacements are linear in the change of
+    the forces, laws are not. Arrays run over the points of the tangent matrix, which `refine`
     changes."""
 
     def __init__(self, state: State, tangent: Tangent) -> None:
@@ -100,28 +101,31 @@ class Step:
         self.lower, self.upper = _bounds(approach, self.wanted, state.error[rows])
 
     def approach(self, change: Array) -> Array:
-        """Approach [m] after a change [N] of the forces, by the power law that a contact follows at
-        its force and stiffness."""
+        """Approaches [m] after a change [N] of the forces, by the power law d ~ F^(F/(k d)) through
+        the force F and stiffness k of each contact at its base d."""
         exponent = np.minimum(self.force / (self.stiffness * self.base), 1.0)
         grown = np.maximum((self.before + change) / self.force, 0.0)
         wanted: Array = self.base * grown**exponent
         return np.minimum(np.maximum(wanted, self.lower), self.upper)
 
     def wanted_after(self, constant: float, change: Array, image: Array) -> Array:
-        """z - s - u [m] after a change of the separation [m] and of the forces [N], of which the
-        tangent at the start makes the `image` [m]."""
+        """z - s - u [m] after the change `constant` [m] of the separation and `change` [N] of the
+        forces, whose product with the tangent matrix of the start is `image` [m]."""
         return self.wanted - constant - image + change / self.own
 
     def refine(
         self, change: Array, *, tolerance: float, load: float | None
     ) -> tuple[Step, Array, float, int]:
-        """A second Newton step at the forces after `change` [N], with the laws there: the step with
-        these laws, the whole change of the forces, that of the separation [m], and products spent.
+        """A second Newton step from the forces after `change` [N], with the laws at these forces.
+
+        Returns the step with these laws, the change of the forces by both steps, the change of the
+        separation [m] by the second, and the number of products.
 
         Notes
         -----
-        The laws bend much more than the displacements do, and contacts close and open: their part
-        of the tangent is renewed, that of the displacements, which costs more, is kept.
+        Displacements are nearly linear in the forces; laws are not, and contacts close and open.
+        The laws' part of the tangent matrix is therefore computed anew, the part of the
+        displacements, which costs more, is kept.
         """
         after = copy.copy(self)
         approach = self.approach(change)
@@ -154,8 +158,8 @@ class Step:
 
 
 def _bounds(approach: Array, wanted: Array, error: Array) -> tuple[Array, Array]:
-    """Approaches [m] within which a step stays: a contact that overlaps still keeps a tenth of its
-    approach, one that does not may open."""
+    """Bounds [m] on the approach after a step: a contact keeps at least a tenth of its approach
+    where `wanted` is positive, else it may open."""
     lower = np.where(wanted > 0, 0.1 * approach, 0.0)
     return lower, approach + np.maximum(2 * approach, np.abs(error))
 
@@ -163,17 +167,17 @@ def _bounds(approach: Array, wanted: Array, error: Array) -> tuple[Array, Array]
 def corrected_prediction(
     problem: Problem, wanted: Array, force: Array, *, tolerance: float
 ) -> tuple[Array, int]:
-    """Approaches that agree with the forces of a forecast, and the products spent.
+    """Predicted approaches [m], corrected by the laws, and the number of products.
 
-    The forecasts of z - s - u [m] and of the forces [N], shape (n,) each, have the same weights of
-    the same points; the point will be solved to a residual of the tolerance.
+    `wanted` is the predicted z - s - u [m], and `force` the predicted force [N], shape (n,) each,
+    extrapolated with equal weights. `tolerance` is that of the solve that follows.
 
     Notes
     -----
-    Displacements are linear in the forces but for the growth of the footprints: the forecast of u
-    is right for the forecast of the forces, whether the points before were solved well or not. It
-    is the laws that bend. With F(d) the laws, the approaches that fit are the solution of
-    d = wanted - G (F(d) - force), G the interaction of the contacts: one Newton step of it.
+    Apart from the growth of the footprints, displacements are linear in the forces. The predicted u
+    is therefore that of the predicted forces, however well the earlier points were solved; but the
+    laws F(d) do not give these forces. Approaches that agree with the laws solve
+    d = wanted - G (F(d) - force), with the interaction matrix G: this is one Newton step for it.
     """
     law = problem.laws(wanted)
     closed = law.force > 0

@@ -56,13 +56,13 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     lightest = rows[np.argmin(values[0, touches])]
     elsewhere = listing.paired.copy()
     elsewhere[:, lightest] = found.offset[:, lightest] + 2.0 * skin
-    leaping = replace(listing, listed=elsewhere)
+    leaping = replace(listing, paired=elsewhere)
     assert leaping.recentred(population, listing.index, values, 1e-3) is None  # among few it counts
     monkeypatch.setattr(module, "MANY_CONTACTS", 1)
     found = leaping.recentred(population, listing.index, values, 1e-3)
     np.testing.assert_allclose(found.offset[:, lightest], elsewhere[:, lightest] - skin)
     elsewhere = listing.paired + 2.0 * skin
-    lost = replace(listing, listed=elsewhere).recentred(population, listing.index, values, 1e-3)
+    lost = replace(listing, paired=elsewhere).recentred(population, listing.index, values, 1e-3)
     assert lost is None
 
 
