@@ -1,9 +1,8 @@
-"""Law "auto": for every contact the law that measured validity favors.
+"""Law "auto" of many summits: for each the law that is most accurate for its shape.
 
-The expansion about the optimal ellipse is the most accurate wherever a polynomial describes the
-summit inside the contact, at any ratio of curvatures and any filling of the basin. A sharp tip (a
-cone, a pyramid) is no polynomial: there the harmonic-resolved law takes over, approach by
-approach.
+`ellipse`, the expansion about the optimal ellipse, is the most accurate law wherever a polynomial
+describes the summit inside the contact, at any ratio of curvatures. Other summits get the law
+`harmonic` (level tips such as r^4) or `ritz` (plateaus, noisy spikes).
 """
 
 from __future__ import annotations
@@ -29,18 +28,18 @@ __all__ = ["tabulate"]
 Array = NDArray[np.float64]
 
 DOUBTFUL_END = 0.1
-"""Root of the approach over the reach up to which an end of the expansion makes a summit
-doubtful."""
+"""Square root of approach over reach. A summit whose expansion ends below it is doubtful."""
 
 COMPARED_SHARES = np.array([0.003, 0.01, 0.03, 0.1])
-"""Shares of the reach at which the laws of a doubtful summit are compared."""
+"""Approaches over the reach at which the laws of a doubtful summit are compared."""
 
 LEVEL_TIP = 2e-3, 0.3
-"""f/r^2 at the first node of a ray over that at its end between which a tip is level: of r^4 it is
-0.004, of r^3 0.06, of a plateau 0, and of a summit in noise about 1."""
+"""Range of f/r^2 at the first node of a ray, over that at its end, in which a tip counts as level:
+it is 0.004 for r^4, 0.06 for r^3, 0 for a plateau, and about 1 for a summit in noise."""
 
 GROSS_DIFFERENCE = 1.3
-"""Ratio of two laws' forces beyond which the law that needs no polynomial is believed."""
+"""Ratio of the forces of `ellipse` and `ritz` beyond which a summit gets `ritz`, which needs no
+polynomial."""
 
 
 def tabulate(
@@ -50,15 +49,14 @@ def tabulate(
     law: str = "auto",
     nodes: int = ellipse_batch.TABLE_INTERVALS,
 ) -> LawTable:
-    """Law table of a batch: the ellipse law, guarded by direct maximization where it ends early.
+    """Law table of a batch: `ellipse`, checked against `ritz` where its expansion ends early.
 
     Where no polynomial describes a summit beyond its tip (a noisy spike on a ridge), the
     continuation of the ellipse law can be off by factors. For such summits, about one in ten, the
-    force of `ritz` is computed at a few approaches; where both disagree grossly, the summit is
-    tabulated by `ritz` and the disagreement is its spread. So are summits whose smallest
-    polynomial is no summit, of which the ellipse law has nothing to say: plateaus. A level tip such
-    as that of r^4, which rises along every ray at once, is one by rounding alone; the harmonic law
-    is exact there, and `ritz` at a third of the force.
+    force of `ritz` is computed at a few approaches; if both disagree grossly, the summit gets the
+    law `ritz`, and the disagreement as its spread. Plateaus, for which `ellipse` gives no law, get
+    `ritz` too. `ellipse` also gives no law for a level tip such as r^4, which rises along every
+    ray: the law `harmonic` is exact there, while `ritz` has a third of the force.
     """
     table = replace(ellipse_batch.tabulate(profiles, material, nodes=nodes), law=law)
     left = table.flags[:, 1 : int(DOUBTFUL_END * nodes) + 1] & Flag.BEYOND_RADIUS
@@ -80,12 +78,12 @@ def tabulate(
 
 
 def _without_pull(table: LawTable) -> None:
-    """Mend laws by direct maximization that pull, in a table that nobody else holds.
+    """Replace negative forces of `ritz` in a table, in place.
 
-    On a plateau that rays leave uphill they do so at first. Up to the node at which F / u^p is
-    largest, u being the root of the approach over the reach, a paraboloid takes their place: of 12
-    such plateaus pressed alone the force is then off by 0.15 to 0.2 (rms of its logarithm) from a
-    twentieth of the reach on.
+    The law `ritz` pulls at first on a plateau that rises along some rays. The law of a paraboloid,
+    F ~ u^p with u = sqrt(d/reach), replaces it up to the node at which F / u^p is largest. On 12
+    such plateaus the force is then 0.15 to 0.2 (rms of its logarithm) off that of boundary elements
+    from a twentieth of the reach on.
     """
     u = np.arange(1, table.nodes + 1) / table.nodes
     pulls = (table.force[:, 1:] <= 0).any(axis=1) & (table.force > 0).any(axis=1)
@@ -102,7 +100,7 @@ def _without_pull(table: LawTable) -> None:
 def _worst_ratio(
     table: LawTable, rows: NDArray[np.int64], profiles: Profiles, material: HalfSpace
 ) -> Array:
-    """Largest ratio of the forces of the table and of `ritz`, either way, over a few approaches."""
+    """Largest ratio, 1 or more, of the forces of the table and of `ritz` at `COMPARED_SHARES`."""
     first = table.evaluate(rows[:, None], COMPARED_SHARES * table.reach[rows, None])[0]
     other = ritz.forces(profiles, material, np.sqrt(COMPARED_SHARES))
     usable = (first > 0) & (other > 0)
@@ -111,7 +109,7 @@ def _worst_ratio(
 
 
 def _replace(table: LawTable, rows: NDArray[np.int64], second: LawTable, ratio: Array) -> None:
-    """Put `second` in the place of the `rows` of a table that nobody else holds."""
+    """Replace the `rows` of a table by `second`, in place; `ratio` less one is their spread."""
     for name in ("reach", "force", "stiffness", "area", "flags"):
         getattr(table, name)[rows] = getattr(second, name)
     table.spread[rows] = np.maximum(table.spread[rows], np.minimum(ratio - 1, 1.0)[:, None])

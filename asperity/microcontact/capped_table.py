@@ -1,4 +1,4 @@
-"""Law tables of contacts whose pressure a hardness bounds."""
+"""Law tables with a hardness, made from elastic law tables."""
 
 from __future__ import annotations
 
@@ -26,35 +26,36 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 CONTACTS_PER_THREAD = 256
-"""Contacts that repay a thread, which takes no more at a time: their arrays stay in its cache."""
+"""Contacts that a thread takes at a time: fewer do not repay it, the arrays of more leave its
+cache."""
 
 FINER_NODES = 2
-"""Elastic approaches, over the nodes of a table, of which the capped contacts are found first."""
+"""Number of elastic approaches from which a capped law is made, over the nodes of the table."""
 
 FURTHER_APPROACH = 0.1
-"""Further approach, over the reach, that tells how a filled basin bears more: at the hardness it
-bears none."""
+"""Approach beyond the reach, over the reach, at which the stiffness of a filled basin is measured:
+it is zero at the hardness."""
 
 LEAST_YIELD = 1e-4
-"""Loss of force, relative, from which on a law is changed: sharp tips always yield a little."""
+"""Relative loss of force below which a law stays elastic: sharp tips always yield a little."""
 
 LEAST_RISE = 0.05
-"""Least growth of a capped approach over that of the elastic one: a paraboloid has 1/2 to 1."""
+"""Least increase of a capped approach over that of the elastic one: 1/2 to 1 for a paraboloid."""
 
 AREA_ROUNDING = 1e-9
-"""Relative error of areas: a summit that has filled its basin has none deeper down."""
+"""Relative rounding error of areas, by which a filled basin may exceed its largest bearing area."""
 
 
 def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
-    """The laws of contacts whose pressure the hardness of a half-space bounds, from elastic ones
-    with their bearing areas; without a hardness these.
+    """Laws of contacts whose pressure the hardness of the half-space bounds, from a table of
+    elastic laws with bearing areas; the table itself without a hardness.
 
     Notes
     -----
-    Each capped contact has the area of an elastic one (`yielding.capped`). How far its edge is
-    displaced goes on from that of the elastic one, its approach less the depth at which the
-    unloaded summit has the area. A soft body is therefore pressed as far as its bearing area tells,
-    whatever the law.
+    Each capped contact has the area of an elastic one (`yielding.capped`). The edge of the elastic
+    contact is displaced by its approach less the depth at which the unloaded summit has this area;
+    the displacement of the capped edge is derived from it. In the limit of a soft body the approach
+    is the depth at which the bearing area is the contact area, whatever the law.
 
     A capped force grows with the approach, but need not be convex in it: the coupled problem is one
     of forces, whose energy has the Hessian diag(dd/dF) plus the interaction of footprints, and is
@@ -80,7 +81,7 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
 
 
 def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> None:
-    """Put the capped laws of some rows of a table into `result`, which holds the elastic ones."""
+    """Write the capped laws of the `rows` of a table into `result`, which holds elastic laws."""
     assert table.bearing is not None
     nodes = table.nodes
     levels = FINER_NODES * nodes
@@ -121,10 +122,10 @@ def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> 
 
 @compiled()
 def depths_of(bearing: Array, depth: Array, area: Array) -> None:
-    """Replace the areas of each row, rising, by the depths at which the unloaded summit has them.
+    """Replace each `area` by the depth at which the unloaded summit has this area; rows ascend.
 
-    `bearing` holds the areas of the unloaded summits above the flats at `depth`, both rising along
-    a row; the root of the depth is linear in that of the area between them.
+    `bearing` holds the areas of the unloaded summits above the flats at `depth`; both ascend along
+    a row. Between the nodes sqrt(depth) is linear in sqrt(area), as on a cone or a paraboloid.
     """
     last = depth.shape[1] - 1
     for i in range(area.shape[0]):
@@ -143,14 +144,14 @@ def depths_of(bearing: Array, depth: Array, area: Array) -> None:
 def resample(
     elastic: Array, approach: Array, columns: Array, reach: Array, values: Array, stiffness: Array
 ) -> None:
-    """Columns of law tables from their values at the approaches of each row.
+    """Interpolate columns of law tables, given at the approaches of each row, to the nodes.
 
     Fills `values` (c, n, nodes + 1) from `columns` (c, n, levels), of which the first is the force,
-    `reach` (n,) with the last approaches and `stiffness` (n, nodes + 1) with the slope of the
-    force. Over the approach the force is a cubic in the root of the approach through the four
-    nearest levels, or linear in it where that does not lie between two or these are more than a
-    node apart, as are the other columns. An approach is made to grow by `LEAST_RISE` of the
-    `elastic` one at least.
+    `reach` (n,) with the last approaches, and `stiffness` (n, nodes + 1) with the slope of the
+    force. Force over approach is a cubic in the root of the approach, through the four nearest
+    levels. Between two levels that are more than a node apart, or whose forces do not enclose the
+    cubic, the force is linear in the approach, as are the other columns. Approaches first get an
+    increase of at least `LEAST_RISE` of the `elastic` one.
     """
     levels, nodes = approach.shape[1], values.shape[2] - 1
     weight, slope, root = np.empty(4), np.empty(4), np.empty(levels)

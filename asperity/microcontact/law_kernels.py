@@ -1,17 +1,19 @@
-"""The one compiled evaluation of tabulated contact laws.
+"""Compiled interpolation of law tables: every solver evaluates laws by these two kernels.
 
-With v = K sqrt(d / reach), node j at v = j, the force is F = v^p s(v). Between nodes s is a cubic
-Hermite polynomial in v, linear in the first interval, so that a Hertzian contact is exact at any
-grading; area/v^2 is linear in v, as far as the area does not exceed that of the next node: an area
-never falls. The energy int F dd follows in closed form. The moment
-m = (1/F) int variance dF is a growing cubic Hermite polynomial with the slope
-dm/dF = (variance - m)/F at the nodes, an increment at the stiffness k being spread with the
-variance (factor k)^exponent (docs/development/half_space.md). Beyond the reach the contact is a
-flat punch.
+With v = K sqrt(d / reach), so that node j lies at v = j, and p = 3 + m:
 
-A tip that is no paraboloid (`BLUNT_TIP`) has powers of v instead in the first interval: force, area
-and moment are those of the first node times v to the exponents in `tips`, which are zero for all
-other contacts.
+- Force: F = v^p s(v). s is a cubic Hermite polynomial in v between nodes, and linear in the first
+  interval. A Hertz contact has constant s and is exact at any grading.
+- Area: area/v^2 is linear in v, bounded by the area of the next node: an area never falls.
+- Energy: int F dd of this F, in closed form.
+- Moment of the footprint: m = (1/F) int w dF, where an increment of force at the stiffness k has
+  the variance w = (factor k)^exponent (docs/development/half_space.md). m is an increasing cubic
+  Hermite polynomial with dm/dF = (w - m)/F at the nodes.
+- Beyond the reach the contact is a flat punch: area and stiffness are constant.
+
+A tip that is no paraboloid (`BLUNT_TIP`) has powers of v in the first interval: force, area and
+moment are those of the first node times v to the exponents in `tips`. These exponents are zero for
+all other contacts.
 """
 
 from __future__ import annotations
@@ -43,19 +45,18 @@ __all__ = [
 ]
 
 FORCE, FORCE_SLOPE, ENERGY, MOMENT, MOMENT_SLOPE, AREA = range(6)
-"""Columns of a node j: s and ds/dv; the constant of the energy in [j, j + 1]; the moment and dm/dv;
-area/v^2."""
+"""Columns of node j: s and ds/dv; the constant of the energy in [j, j + 1]; m and dm/dv; area/v^2.
+"""
 
 NODE_COLUMNS = 6
-"""Columns of a node."""
+"""Number of these columns."""
 
 TIP_COLUMNS = 3
-"""Exponents over v of force, area and moment of a tip that is no paraboloid."""
+"""Exponents of v in force, area and moment of a tip that is no paraboloid."""
 
 BLUNT_TIP = 0.1
-"""Difference of the exponents of force at the first node and of a paraboloid, over the root of the
-approach, from which on a tip is no paraboloid: r^2.2, r^1.8, and 1 to 6 % of the summits of random
-and measured maps. Down to the tip force and area then are powers."""
+"""Least difference between d ln F/d ln v at the first node and p of a tip that is no paraboloid:
+that of r^2.2 or r^1.8. 1 to 6 % of the summits of random and measured maps exceed it."""
 
 LEAST_SLOPE = 0.05
 """Least stiffness over F/d."""
@@ -65,12 +66,12 @@ BLOCK = 256
 
 COLUMNS = 10
 _V, _NODE, _TOP, _LOWER, _F, _STIFF, _WORK, _M, _GROWN, _SPOT = range(0, COLUMNS * BLOCK, BLOCK)
-"""Where the numbers of the contacts of a block begin."""
+"""Offsets of the working arrays of a block on the stack."""
 
 _FORCE, _FORCE_SLOPE, _ENERGY, _MOMENT, _MOMENT_SLOPE, _AREA = (
     np.uint64(column) for column in range(NODE_COLUMNS)
 )
-"""Columns of a node without a sign: places that may be negative are no vector instructions."""
+"""The columns of a node as unsigned integers: signed offsets prevent vector instructions."""
 
 _columns, _places = on_stack(types.float64, COLUMNS * BLOCK), on_stack(types.int32, 2 * BLOCK)
 
@@ -79,7 +80,7 @@ _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 @inner(fastmath=QUOTIENTS)
 def _power(base, exponent):
-    """base^exponent, the powers of the homogeneous body by products."""
+    """base^exponent, by products for the exponents 2 and 3 of the homogeneous body."""
     if exponent == 3.0:
         return base * base * base
     if exponent == 2.0:
@@ -89,7 +90,7 @@ def _power(base, exponent):
 
 @inner(fastmath=QUOTIENTS)
 def _hermite(left, right, left_slope, right_slope):
-    """Coefficients in v - j of the cubic with these values and slopes at j and j + 1."""
+    """Coefficients in t = v - j of the cubic Hermite polynomial of these end values and slopes."""
     rise = right - left
     return (
         left,
@@ -101,14 +102,14 @@ def _hermite(left, right, left_slope, right_slope):
 
 @inner(fastmath=QUOTIENTS)
 def _shares(power):
-    """Integral of v^(power + 1 + k) dv over its v^(power + 2 + k), k = 0 ... 3."""
+    """1/(power + 2 + k), k = 0 ... 3: the integral of v^(power + 1 + k) over v^(power + 2 + k)."""
     return 1.0 / (power + 2.0), 1.0 / (power + 3.0), 1.0 / (power + 4.0), 1.0 / (power + 5.0)
 
 
 @inner(fastmath=QUOTIENTS)
 def _force_integral(c0, c1, c2, c3, j, shares, factor, v):
-    """Integral of v^(power + 1) s dv from 0, for the cubic s of these coefficients in v - j;
-    `factor` is v^power and `shares` those of the power."""
+    """Integral of v^(power + 1) s dv from 0 to v, for the cubic s of these coefficients in v - j;
+    `factor` is v^power, and `shares` is `_shares(power)`."""
     q0, q1, q2, q3 = shares
     e0 = c0 - j * (c1 - j * (c2 - j * c3))
     e1 = c1 - j * (2.0 * c2 - 3.0 * j * c3)
@@ -133,11 +134,11 @@ def evaluate(
     moment,
     growth,
 ):
-    """Laws at the approaches of the contacts [rows[0], rows[1]), of table row `place[index]`.
+    """Evaluate the laws of the contacts rows[0] ... rows[1] - 1, at table row `place[index]`.
 
-    Fills F, dF/dd, the area, int F dd, the moment m and its growth F dm/dF; zeros where there is no
-    approach or no law. Closed contacts are taken in blocks: polynomials of a block, whose results
-    stand on the stack, become vector instructions.
+    Fills F, dF/dd, area, int F dd, moment m and growth F dm/dF; zeros for open contacts and those
+    without a law. Closed contacts are evaluated in blocks, so that the polynomials become vector
+    instructions.
     """
     nodes, shares = np.int32(table.shape[1]), _shares(power)
     steps, flat = float(table.shape[1] - 1), table.reshape(-1)
@@ -215,15 +216,15 @@ def evaluate(
                 f += stiff * over
                 grown = full - m
             area[n], force[n], stiffness[n] = spot, f, max(stiff, LEAST_SLOPE * f / d)
-            # the footprint of an increment has a variance m + grown; between nodes of a law that
-            # hardly rises the cubics can make it negative
+            # the variance m + grown of an increment must not be negative; the cubics can make it so
+            # where a law hardly rises
             m = max(m, 0.0)
             energy[n], moment[n], growth[n] = work, m, max(grown, -m)
 
 
 @inner()
 def _slope(c0, c1, c2, c3, j, power, v):
-    """dF/dv of F = v^power s(v), for the cubic s of these coefficients in v - j."""
+    """dF/dv of F = v^power s(v), at least 0, for the cubic s of these coefficients in v - j."""
     t = v - j
     level = c0 + t * (c1 + t * (c2 + t * c3))
     bend = c1 + t * (2.0 * c2 + 3.0 * t * c3)
@@ -232,10 +233,11 @@ def _slope(c0, c1, c2, c3, j, power, v):
 
 @inner()
 def _tip_exponents(force, area, power, exponent):
-    """Exponents over v of force, area and moment of a tip that is no paraboloid, from the values at
-    the first two nodes: that of force lies between those of a punch and of a cone.
+    """Exponents of v in force, area and moment of a tip that is no paraboloid, from nodes 1 and 2.
 
-    The area of an elastic tip grows as the force tells, and at the hardness in proportion to it.
+    The exponent of the force is kept between 2 (punch) and 2 p - 2 (cone). An elastic contact with
+    F ~ v^e on the radius a has dF/dd ~ a^(p - 2), so the area goes as v^(2 (e - 2)/(p - 2)) and the
+    moment as v^(exponent (e - 2)). At the hardness the area grows faster, at most as the force.
     """
     rise = min(max(math.log2(force[2] / force[1]), 2.0), 2.0 * power - 2.0)
     spot = 2.0 * (rise - 2.0) / (power - 2.0)
@@ -248,12 +250,11 @@ def _tip_exponents(force, area, power, exponent):
 def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, table, tips):
     """Fill the rows of `table` (n, K + 1, NODE_COLUMNS) and `tips` (n, TIP_COLUMNS) from the nodes.
 
-    An increment of force at the stiffness k is spread with the variance (factor k)^exponent.
-
-    The moment is integrated by Gauss quadrature on each interval, and its slopes are limited so
-    that it grows between the nodes too (Fritsch and Carlson 1980). If `coupled`, what
-    the coupled problem needs: slopes of s with which the force stays positive between the nodes,
-    and the stiffness is continuous where the powers of a tip end.
+    `factor` and `exponent` give the variance (factor k)^exponent of an increment of force at the
+    stiffness k. The moment is integrated by Gauss quadrature on each interval; its slopes are
+    limited so that it increases between the nodes too (Fritsch and Carlson 1980). If `coupled`,
+    slopes of s are limited so that the force stays positive between the nodes, and the stiffness is
+    continuous at the end of a tip, as the coupled solve needs.
     """
     steps, shares = force.shape[1] - 1, _shares(power)
     moment, bend = np.zeros(steps + 1), np.zeros(steps + 1)
@@ -270,7 +271,7 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
             table[r, j + 1, AREA] = most / (v * v)
             if j == 0 and abs(d1) > BLUNT_TIP * s1 and 0.0 < force[r, 1] < force[r, 2]:
                 rise, spot, wide = _tip_exponents(force[r], area[r], power, exponent)
-                # one by one: a row filled by a tuple takes 1 s more to compile
+                # three assignments: a tuple assigned to the row takes 1 s more to compile
                 tips[r, 0], tips[r, 1], tips[r, 2] = rise, spot, wide
                 variance = _power(factor * rise * s1 / width, exponent)
                 moment[1] = variance * rise / (rise + wide)
@@ -279,11 +280,11 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
                 s0, d0 = s1, (rise - power) * s1 if coupled else d1
                 continue
             if j == 0:
-                # straight, through the first node, not below a fifth of its value
+                # s is linear through node 1, and at v = 0 not below a fifth of its value there
                 d1 = min(d1, 0.8 * s1) if coupled else d1
                 s0, d0 = s1 - d1, d1
             else:
-                # a steeper cubic could pass below zero
+                # with a larger slope the cubic could become negative
                 d1 = min(d1, 3.0 * s1) if coupled else d1
             c0, c1, c2, c3 = _hermite(s0, s1, d0, d1)
             below, above = _power(float(j), power), _power(v, power)
@@ -317,7 +318,7 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
 def empty_columns(
     count: int, intervals: int, stored: bool = False
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """`table` and `tips` of so many contacts, to be filled by `tabulate`; in files if `stored`."""
+    """Empty `table` and `tips` of `count` contacts for `tabulate`; in files if `stored`."""
     shapes = (count, intervals + 1, NODE_COLUMNS), (count, TIP_COLUMNS)
     table, tips = (zeros(shape, np.float64, stored) for shape in shapes)
     return table, tips
@@ -325,7 +326,7 @@ def empty_columns(
 
 @compiled()
 def convex(place, force):
-    """Replace each row of `force` by the largest convex function below it (lower hull)."""
+    """Replace each row of `force` by its lower convex hull over `place` (Andrew 1979)."""
     nodes = place.size
     stack = np.empty(nodes, np.int64)
     for row in force:

@@ -1,4 +1,4 @@
-"""Force, stiffness and area of many contacts, tabulated over their approach; made when needed."""
+"""Law tables: force, stiffness and area of many contacts over their approach, and lazy tables."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 ROWS_TOGETHER = 4096
-"""Rows of a lazy table that are made at a time: their rays take more memory than their laws."""
+"""Rows of a lazy table made at a time: the sampled rays of more would fill the memory."""
 
 MAPPED_LAWS = 2**14
-"""Laws of a table on disk whose pages are in memory together."""
+"""Number of laws on disk whose pages are in memory together."""
 
 OF_NODES = "force", "stiffness", "area", "bearing"
-"""Columns that are read when a law has been made, and by no load point."""
+"""Columns that only the maker of the solver's tables reads (`newton.laws`), not the load points."""
 
 NO_FOOTPRINT = 0.0, 1.0
-"""Factor and exponent of the variance of a force that is not spread."""
+"""Factor and exponent of the variance of a point force (`law_kernels.tabulate`)."""
 
 
 @dataclass(eq=False)
@@ -46,7 +46,7 @@ class LawTable:
     flags
         Bits of `Flag` at the nodes, uint8, shape (n, K + 1).
     spread
-        Relative difference of the force to that of the next law (error estimate), (n, K + 1).
+        Expected relative error of the force (error estimate), shape (n, K + 1).
     exponent
         Power p of u = sqrt(d/reach) in F = u^p s(u), p = 3 + m: then a paraboloid has constant s.
     law
@@ -58,11 +58,10 @@ class LawTable:
         Area [m^2] of the unloaded summit above the flat at the nodes, shape (n, K + 1); None where
         no hardness asks for it.
     elastic
-        The force over that of the contact of the same area without a hardness, and the stiffness of
-        that one [N/m], shape (n, K + 1, 2); None without one.
+        With a hardness, of the elastic contact of the same area: force of the table over its force,
+        and its stiffness [N/m], shape (n, K + 1, 2). None without a hardness.
     hardness
-        Pressure [Pa] that the contacts bear at most; where it bounds their laws these need not be
-        convex.
+        Largest pressure [Pa] that the contacts bear. With a hardness laws need not be convex.
 
     Notes
     -----
@@ -172,27 +171,26 @@ class LazyTable:
     count
         Number n of contacts.
     make
-        Table of the contacts whose rows are given, in that order.
+        Function of some rows that makes their law table, in that order.
     whole
-        Whether all columns are kept; else the forces, stiffnesses and areas of the nodes, which
-        solvers keep in their own form, are told by `blocks` alone, and made anew if they are asked
-        for again.
+        Whether all columns are kept. If not, the columns `OF_NODES`, which the solver keeps in
+        its own form, come from `blocks` alone, which makes them anew each time.
     near
-        Order of some contacts, given by their rows, in which neighbors follow each other; as they
-        are given if None.
+        Function of some rows that gives an order in which neighbors on the map follow each other;
+        None leaves the order as it is.
     stored
-        Whether what is kept is on disk, and read in parts: few, if neighbors are asked for
-        together.
+        Whether the kept columns are on disk. They are read in parts; rows of neighbors are read
+        from few pages.
 
     Attributes
     ----------
     ready
-        Contacts whose laws have been made, bool, shape (n,).
+        Whether the law of each contact has been made, shape (n,).
     held
-        What is kept of them: zeros, as without a usable law, and then the laws in the order in
-        which they were made.
+        The kept columns: row 0 is zero, as for a contact without a law, and the laws follow in the
+        order in which they were made.
     place
-        Row of `held` of each contact, shape (n,).
+        Row of `held` of each contact, shape (n,); 0 until its law is made.
     """
 
     def __init__(
@@ -213,7 +211,7 @@ class LazyTable:
 
     @classmethod
     def of(cls, table: LawTable) -> LazyTable:
-        """The laws of a table, all made."""
+        """A lazy table whose laws, those of `table`, are all made."""
         lazy = cls(len(table), table.rows, whole=True)
         lazy.place[:], lazy.ready[:] = np.arange(len(table)), True
         lazy.held = table.rows(lazy.place)
@@ -223,7 +221,7 @@ class LazyTable:
         return len(self.ready)
 
     def in_order(self, rows: Rows) -> Rows:
-        """Some contacts, neighbors after each other."""
+        """The contacts `rows` in the order of `near`."""
         return rows if self.near is None else rows[self.near(rows)]
 
     def blocks(self, rows: Rows) -> Iterator[tuple[Rows, LawTable]]:
@@ -244,7 +242,7 @@ class LazyTable:
     def _hold(self, rows: Rows, block: LawTable) -> None:
         given, made = block.columns, int(np.count_nonzero(self.ready))
         if not made:
-            # memory that is never touched costs nothing
+            # room for all contacts: memory pages that are never written cost nothing
             rooms = {name: (len(self) + 1, *values.shape[1:]) for name, values in given.items()}
             kept: dict[str, Any] = {
                 name: zeros(room, given[name].dtype, self.stored and len(room) > 1)
@@ -272,7 +270,7 @@ class LazyTable:
 
     @property
     def has_centres(self) -> bool:
-        """Whether contacts leave their summits, once a law has been made."""
+        """Whether laws give the centres of their contacts, once a law has been made."""
         return self.held.centre is not None
 
     def centre_at(self, index: Rows, approach: Array) -> Array:
@@ -282,8 +280,8 @@ class LazyTable:
         return self._read(self.held.centre, _between, index, approach)
 
     def elastic_at(self, index: Rows, approach: Array) -> Array:
-        """Of elastic contacts with the areas of the contacts `index`, of a table with a hardness:
-        what their force is the share of, and their stiffness [N/m], shape (2, n)."""
+        """The column `elastic` of a table with a hardness, for the contacts `index` at `approach`,
+        shape (2, n)."""
         assert self.held.elastic is not None
         return self._read(self.held.elastic, _between, index, approach)
 
@@ -296,7 +294,7 @@ class LazyTable:
         return self._read(self.held.spread, _at_or_above, index, approach)
 
     def together(self, count: int) -> float:
-        """So many of `count` contacts, evenly spread, may be read at a time."""
+        """Number of contacts, of `count` evenly spread ones, that may be read at a time."""
         return max(1.0, MAPPED_LAWS * count / len(self)) if self.stored else math.inf
 
     def _read(
@@ -306,8 +304,8 @@ class LazyTable:
         index: Rows,
         approach: Array,
     ) -> NDArray[Any]:
-        """What a column tells of the contacts `index` at `approach` [m]; on disk, neighbors are
-        read together."""
+        """Values of a column for the contacts `index` at `approach` [m], by the function `read` of
+        column, rows and fractional node. From disk, rows are read in their order."""
         rows = self.place[index]
         reach = self.held.reach[rows]
         share = np.asarray(approach, dtype=float) / np.where(reach > 0, reach, np.inf)
@@ -327,7 +325,7 @@ def _between(pairs: Array, rows: Rows, node: Array) -> Array:
     """Pairs at the nodes (n, K + 1, 2), linear between them, shape (2, n)."""
     low = np.minimum(node.astype(np.int64), pairs.shape[1] - 2)
     share, at = (node - low)[:, None], rows * pairs.shape[1] + low
-    flat = pairs.reshape(-1, 2)  # one number per pair is twice as fast as two
+    flat = pairs.reshape(-1, 2)  # one index per pair is twice as fast as two
     return np.asarray(((1 - share) * flat.take(at, axis=0) + share * flat.take(at + 1, axis=0)).T)
 
 
@@ -337,7 +335,7 @@ def _at_or_above(values: NDArray[Any], rows: Rows, node: Array) -> NDArray[Any]:
 
 
 def joined(tables: Sequence[LawTable]) -> LawTable:
-    """One table of the rows of several of one law."""
+    """One table with the rows of several tables of one law."""
     if len(tables) == 1:
         return tables[0]
     columns: dict[str, Any] = {

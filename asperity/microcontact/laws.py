@@ -1,4 +1,4 @@
-"""The laws by name: each has a module with `tabulate`, which makes the law table of a batch."""
+"""Contact laws by name: each is a module whose `tabulate` makes the law table of many profiles."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ def law_module(law: str) -> ModuleType:
 def elastic_table(
     profiles: Profiles, material: HalfSpace, *, law: str = "harmonic", **settings: Any
 ) -> LawTable:
-    """As `tabulate`, without a bound on the pressure; with the bearing areas, where the half-space
-    has a hardness, from which the capped laws are made (`capped_table`)."""
+    """`tabulate` without the hardness. If the half-space has one, the table holds the bearing areas
+    from which `capped_table` makes the laws with the hardness."""
     table: LawTable = law_module(law).tabulate(profiles, material, law=law, **settings)
     if material.hardness < math.inf:
         table.bearing = profiles.bearing_areas(table.approach())
