@@ -1,4 +1,8 @@
-"""Compiled loops of the displaced contour of an ellipse, for eight profiles at once.
+"""Compiled loops of the displaced contour about the best ellipse, for eight profiles at once.
+
+On an ellipse under the approach d the pressure has the edge amplitude P(t) of the displacement
+d - f, t the parameter of the ellipse, and Q(t) = -dP/d(ln size). The contour rho = 1 + x has
+x = P/Q, up to the edge of the basin (docs/development/laws.md, "ellipse").
 
 Units inside: one length and one height per profile, modulus 1. The contour has nodes on the four
 mirror images of a quarter of the ellipse. Arrays are groups of eight numbers, one per profile
@@ -36,11 +40,12 @@ FORMS = 4
 """Groups that hold the second-order forms."""
 
 WIDTH = TERMS + 2 + FORMS
-"""Groups in a row of the tables: the edge amplitudes of each monomial and the weights at the nodes
-of a quarter; the amplitude of 1 and the stiffness of the unit punch; the second-order forms."""
+"""Groups in a row of the tables: edge amplitudes of each monomial, and quadrature weights, at the
+nodes of a quarter; amplitude of the displacement 1 and stiffness of the unit punch; the
+second-order forms."""
 
 FIELDS = 10
-"""Groups of one profile that `amplitudes` takes from its row."""
+"""Groups of one profile that `amplitudes` makes from its row."""
 
 _T = np.arange(NODES) * np.pi / (2 * DEGREE)
 _COS, _SIN = np.cos(_T), np.sin(_T)
@@ -48,7 +53,7 @@ _SHARE = np.ones(NODES)
 _SHARE[[0, DEGREE]] = 0.5
 
 _SHARE /= 4 * DEGREE
-"""Share of a node in the mean over the parameter of the ellipse."""
+"""Weight of a node in the mean over the parameter of the ellipse."""
 _EVEN = np.cos(np.outer(2 * np.arange(MODES), _T)) * _SHARE * 2
 
 _EVEN[0] *= 0.5
@@ -63,17 +68,18 @@ _BEGIN = np.searchsorted(np.sort(_CLASS), np.arange(5))
 
 @inner(fastmath=QUOTIENTS, inline="always")
 def _mirrored(a, b, c, d):
-    """Sums over the mirror images: even, odd in both, odd in x, odd in y."""
+    """Parity sums over the four mirror images: even, odd in x and y, odd in x, odd in y."""
     return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
 
 
 @inner(fastmath=QUOTIENTS)
 def amplitudes(values, rows, number, own, fields):
-    """Fields over the nodes of a quarter for each profile from its row of the tables.
+    """P and Q at the nodes of a quarter of the ellipse, from the row of the tables of each profile.
 
-    The groups 8 f + q of `fields` hold at node q: f = 0 to 3 the amplitude P in the four parity
-    classes, 4 to 7 its growth Q, 8 the quadrature weight; groups 72 and 73 hold the amplitude of 1
-    and the stiffness of the unit punch.
+    `values` are f - d and its derivative with ln(size), by monomials. The groups 8 f + q of
+    `fields` hold at node q: f = 0 to 3 the amplitude P in the four parity classes, 4 to 7 Q, 8 the
+    quadrature weight; groups 72 and 73 hold the amplitude of the displacement 1 and the stiffness
+    of the unit punch.
     """
     for n in range(LANES):
         row = int(number[n]) * WIDTH
@@ -94,7 +100,8 @@ def amplitudes(values, rows, number, own, fields):
 
 @inner(fastmath=QUOTIENTS)
 def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
-    """Displacements at which the nodes meet the edge, linear between the rays, where `mask`."""
+    """Displacements x at which the nodes reach the edge of the basin, which is linear between the
+    rays; no limit where `mask` is false."""
     for c in range(4):
         for q in range(NODES):
             px, py = a * (_COS[q] if c % 3 == 0 else -_COS[q]), b * (_SIN[q] if c < 2 else -_SIN[q])
@@ -112,18 +119,22 @@ def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
 
 @inner(fastmath=QUOTIENTS)
 def _displaced(P, Q, limit):
-    """Displacement P / Q up to its limit, and 1 where it is free."""
+    """Displacement x = P/Q up to its limit, and 1 where the limit is not reached, else 0."""
     x = P / Q
     return least(x, limit), where(x <= limit, splat(1.0), 0.0)
 
 
 @inner(fastmath=QUOTIENTS)
 def displace(fields, limit, X, system, vector):
-    """Displacements of the contour, and the Newton system of the five parameters of the ellipse.
+    """Displacements x of the contour, and the Newton system of the five parameters of the ellipse.
 
-    Returns the second-order force, first-order stiffness, weight of all nodes, their amplitude,
-    the weight of the free ones, the largest displacement, and the means of the squared radius
-    and of its change with a uniform displacement.
+    The parameters change the contour by g = cos^2 t, sin^2 t (logarithms of the semi-axes),
+    sin 2t (turn), cos t, sin t (center). The Newton step fits x by sum_i s_i g_i:
+    `system` = sum w Q g_i g_j, `vector` = sum w Q x g_i over the nodes, of quadrature weights w.
+
+    Returns sum w (P x - Q x^2/2), which gives the force in second order; sum w x, which gives the
+    stiffness in first order; sum w; sum w P; sum w over the free nodes; the largest |x|; the mean
+    of (1 + x)^2, and of 1 + x over the free nodes.
     """
     average = splat(0.0)
     for q in range(NODES):
@@ -205,7 +216,8 @@ def _mode(c, i, q):
 
 @inner(fastmath=QUOTIENTS)
 def second_order(X, rows, number, own, forms):
-    """Second-order stiffness of the displaced contour, from its Fourier coefficients."""
+    """Second-order stiffness sum S_ij x_i x_j of the displaced contour, over the parity classes:
+    x_i are its Fourier coefficients, S the forms of `shared_tables`."""
     for n in range(LANES):
         for k in range(FORMS):
             store(own, n * FORMS + k, load(rows, int(number[n]) * WIDTH + TERMS + 2 + k))
@@ -238,7 +250,8 @@ def second_order(X, rows, number, own, forms):
 
 @inner(fastmath=QUOTIENTS)
 def place(x, y, rays):
-    """Angle of (x, y) in steps between `rays` equispaced rays, right to 5e-5 of a quarter."""
+    """Angle of (x, y) in steps of `rays` equispaced rays, by a polynomial for the arctangent whose
+    error is 5e-5 of a quarter turn."""
     ax, ay = absolute(x), absolute(y)
     z = ay / most(ax + ay, splat(1e-300)) - 0.5
     q = z * z

@@ -1,7 +1,16 @@
-"""Numba kernels of the contact law about the optimal ellipse, for eight profiles at once.
+"""Compiled search for the best ellipse over the approach, for eight profiles at once.
+
+With the flat punch of stiffness k = k_1 s^(1+m) on the ellipse (s^2 = a b), and the displacement x
+of the contour from P and Q (`_contour_kernels`), sums over the edge with the weights w:
+
+    F = k (d - <f>) + pi s^(1+m) P_1 [sum w (P x - Q x^2/2) + S sum w P / sum w],
+    dF/dd of the contour = k + pi s^(1+m) P_1^2 [sum w x + S],   S = sum S_ij x_i x_j,
+
+where P_1 is the edge amplitude of the displacement 1, <f> the mean of f under the flat punch, and
+S_ij the second-order form. At the best ellipse no parameter of the ellipse changes F.
 
 Units inside: one length and one height per profile, modulus 1. Arrays are groups of eight numbers,
-one per profile (`_lanes`).
+one per profile (`surfaces.numerics.lanes`).
 """
 
 from __future__ import annotations
@@ -30,38 +39,41 @@ from ._fit_kernels import NESTED_FITS, TERMS, move, solve
 from .ellipse_operator import DEGREE
 
 LARGEST_DISPLACEMENT, LARGEST_SECOND_ORDER, LARGEST_CONFINED = 0.5, 0.05, 0.5
-"""Limits of trust: displacement of the contour, share of F2, confined share of the contour."""
+"""Largest displacement |x| of the contour, second-order force over the force, and share of the
+contour at the edge of the basin, of a level at which the expansion is trusted."""
 
 _LATER_STEPS = 2
-"""Newton steps at most at a level after the first trusted one: a single one where it is trusted."""
+"""Most Newton steps at a level after the first trusted one; a trusted level takes one."""
 
 _SMALL_STEP = 1e-3
 """Newton step, in logarithms and angles, that ends the search at a level."""
 
 STATES = 9
-"""Numbers kept per level: force, stiffness of the first-order contour and its change with a
-uniform displacement, areas of the ellipse and of the contour and the change of the latter,
-share of F2, and the centre."""
+"""Numbers kept per level: force; stiffness of the contour, and its change with a uniform
+displacement of the free part; areas of the ellipse and of the contour, and the change of the
+latter; second-order force over the force; centre."""
 
 SHAPE = 5 + 4 * NODES
 """Numbers of a contour: semi-axes, centre, turn and displacements at the nodes."""
 
 _SLOPE, _BEFORE, _USED, _STEP = 5, 10, 15, 20
-"""Groups of the poses: the present one, its slopes, that at the level before, the one that the
-functional was evaluated at, and the Newton step."""
+"""Groups of five parameters of an ellipse ("pose": logarithms of the semi-axes, turn, centre). At 0
+the present pose, then its slope over ln d, the pose at the level before, the pose at which the
+functional was evaluated, and the Newton step."""
 
 SHAPE_ROW = -(-SHAPE // LANES) * LANES
-"""Numbers of a contour in whole groups."""
+"""`SHAPE` rounded up to whole groups."""
 
 _STRETCH, _SMALLEST, _LEVEL, _ROUND, _FIRST, _LAST, _ALIVE = 0, 1, 2, 3, 4, 5, 6
 _SINGLE = 7
-"""Single numbers of a profile in its lane: ratio of the rays, shortest ray, level, Newton steps
-made at it, first and last trusted level, and 1 while it is followed."""
+"""Numbers of the profile in a lane: ratio of the rays, shortest ray, level, Newton steps made at
+this level, first and last trusted level, and 1 until its last level. Their number."""
 
 
 @inner(fastmath=QUOTIENTS)
 def _mixed(fit, fits, position, out):
-    """Polynomials between two nested ones: `position` 0 is the largest, fits - 1 the smallest."""
+    """Polynomials interpolated linearly between two of the nested fits: `position` 0 is the largest
+    ellipse, fits - 1 the smallest."""
     for r in range(TERMS):
         store(out, r, splat(0.0))
     for s in range(fits):
@@ -72,9 +84,9 @@ def _mixed(fit, fits, position, out):
 
 @inner(fastmath=QUOTIENTS)
 def _values(coefs, a, b, depth, moments, out):
-    """Monomials at the ends of the axes: f minus the approach, and each times its degree.
+    """Terms c_ij a^i b^j of f - d, and each times its degree, for the semi-axes a, b.
 
-    Returns the mean of f minus the approach under the flat punch.
+    Returns the mean of f - d under the pressure of the flat punch.
     """
     mean = splat(0.0)
     outer = splat(1.0)
@@ -133,16 +145,16 @@ def _enter(lane, k, coefs, frames, scales, rays, pose, present):
 def march_rows(
     coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found, space
 ):  # fmt: skip
-    """Follow profiles through approaches, each lane at its own pace.
+    """Find the best ellipses of profiles over ascending approaches, each lane at its own pace.
 
-    `levels` are the approaches, and the logarithms of their ratios to those before. Fills rows of
+    `levels` are the approaches, and the logarithms of each over the one before. Fills rows of
     the states (levels * STATES), of the contours at the last trusted levels, and of the first and
-    the last trusted level, -1 for both where there is none. `steps` Newton steps at most before the
-    first trusted level; a profile ends at the first level after it that is not trusted. A lane
-    whose profile has ended takes the next one; profiles whose last scale is zero are left out.
+    the last trusted level, -1 for both if no level is trusted. At most `steps` Newton steps are
+    made before the first trusted level; a profile ends at the first untrusted level after it. A
+    lane whose profile has ended takes the next one. Profiles without a fit are left out.
 
-    The functional is evaluated on the nearest ellipse whose axis ratio is in the tables: the error
-    is of third order in half of their spacing.
+    The functional is evaluated on the nearest ellipse whose axis ratio is in the tables, which
+    makes an error of third order in half of their spacing.
     """
     states, shapes, ends = found
     shrink, start, step, count = grid
@@ -274,7 +286,7 @@ def march_rows(
 
 @inner()
 def _usable_from(k, scales):
-    """First profile with a fit from number k on, or their number."""
+    """First profile from k on that has a fit, or the number of profiles if there is none."""
     while k < len(scales) and scales[k, LANES - 1] == 0.0:
         k += 1
     return k
@@ -282,7 +294,7 @@ def _usable_from(k, scales):
 
 @inner(fastmath=QUOTIENTS)
 def _advance(pose, along, across, a, b, tc, ts):
-    """Newton step from the pose that was used, about the semi-axes a, b; returns its size."""
+    """Take the bounded Newton step from the evaluated pose of semi-axes a, b; returns its size."""
     for i in range(5):
         store(pose, _STEP + i, between(load(pose, _STEP + i), splat(-0.4), splat(0.4)))
     arm = 0.5 * (a / b - b / a)
@@ -303,7 +315,7 @@ def _advance(pose, along, across, a, b, tc, ts):
 
 @inner(fastmath=QUOTIENTS)
 def _predict(pose, stop, going, level, growths):
-    """Slopes of the poses over the logarithm of the approach, and poses at the next levels."""
+    """Slopes of the poses over ln d, and the poses at the next levels, extrapolated along them."""
     growth = entries(growths, level)
     later = stop & (level > 0.0)
     following = entries(growths, where(going, level + 1.0, level))
@@ -318,7 +330,7 @@ def _predict(pose, stop, going, level, growths):
 
 @inner(fastmath=QUOTIENTS)
 def _keep(shape, mask, a, b, x0, y0, turn, X):
-    """Remember the contours where the mask holds."""
+    """Write the contours into `shape` where the mask holds."""
     store(shape, 0, where(mask, a, load(shape, 0)))
     store(shape, 1, where(mask, b, load(shape, 1)))
     store(shape, 2, where(mask, x0, load(shape, 2)))

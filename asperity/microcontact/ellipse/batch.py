@@ -1,10 +1,12 @@
 """Law "ellipse" of all peaks at once, confined to their basins.
 
-The elliptic flat punch is exact for every grading, so the Barber functional on ellipses is a
-rigorous lower bound of the force. About its best ellipse the boundary moves locally where the
-edge amplitude of the pressure is small, which gives the force to third order and the contour to
-first; the contour is stopped at the basin edge. One compiled pass takes a profile from its
-samples to its row of the table.
+The elliptic flat punch is exact for every grading, so the functional F = k (d - <f>) of Barber
+(1974) is a lower bound of the force for every ellipse. It is largest for the best ellipse, about
+which the contour is displaced by P/Q: P is the amplitude of the edge singularity of the pressure,
+Q minus its derivative with the logarithm of the size (docs/development/laws.md, "ellipse"). This
+gives the force to second order and the contour to first; the contour stops at the edge of the
+basin. Three compiled passes take a profile from its samples to its row of the table: `fit_rows`,
+`march_rows`, `tabulate_rows`.
 """
 
 from __future__ import annotations
@@ -36,25 +38,26 @@ TABLE_INTERVALS = 24
 
 _TURN = 0.4
 _BELOW, _ABOVE = 10, 6
-"""The levels are spaced in proportion up to `_TURN`, where most expansions have ended, and evenly
-beyond, where the basins fill; a finer grading moves mean force and area by 0.2 and 0.5 %."""
+"""The levels (square roots of approach over reach) are in geometric progression up to `_TURN`,
+where most expansions have ended, and evenly spaced beyond, where basins fill; their numbers below
+and above. More levels change mean force and area by 0.2 and 0.5 %."""
 
 _ORDERS = (0, 1, 2)
-"""Harmonics whose edge operators, in the mean, carry a contour on along its ray. Round parts of a
-profile go with the first, its lobes with higher ones: with the first two alone the contacts of
-rough summits are 2 % too large at equal force (m = 0; 3 to 6 % at m = -0.3), with the second alone
-they carry 1 % too little at equal approach."""
+"""Harmonics n of the edge operators e_n whose mean moves a contour along its ray. Round parts of a
+profile follow n = 0, lobes higher n. With 0 and 1 alone the contacts of rough summits are 2 % too
+large at equal force (m = 0; 3 to 6 % at m = -0.3); with 1 alone they carry 1 % too little at equal
+approach."""
 
 _FIRST_STEPS = 8
-"""Newton steps at the smallest approach; every other one needs a single evaluation."""
+"""Most Newton steps for the best ellipse at the smallest approach; later ones need one or two."""
 
 _BLOCK = 256
-"""Profiles followed at a time: what is kept of them stays in the cache."""
+"""Profiles that a thread takes at a time, so that their arrays stay in its cache."""
 
 _KEPT = threading.local()
 
 _RATIO_POINTS = 1536
-"""Axis ratios at which the functional is evaluated."""
+"""Number of axis ratios at which the functional is evaluated."""
 
 
 def levels_of(nodes: int) -> Array:
@@ -65,7 +68,8 @@ def levels_of(nodes: int) -> Array:
 
 @lru_cache(maxsize=8)
 def _stencils(nodes: int) -> Array:
-    """Weights [width - 1, start, place, k] of the slope over u from `width` levels from `start`."""
+    """Finite-difference weights [width - 1, start, place, k] of the slope over u at level
+    start + place, from the `width` levels from `start` on."""
     from ._table_kernels import WIDTH
 
     u = levels_of(nodes)
@@ -98,7 +102,7 @@ def _resampling(nodes: int, p: float) -> tuple[Array, Array, NDArray[np.int64], 
 
 
 def _along_rays(m: float, samples: int) -> Array:
-    """Mean of the edge operators of `_ORDERS`, scaled so that they agree on a paraboloid."""
+    """Mean of the edge operators e_n, n of `_ORDERS`, each scaled to agree on a paraboloid."""
     operators = [edge_weights(m, samples, order) for order in _ORDERS]
     scale = operators[0].sum(axis=1, keepdims=True)
     return np.asarray(
@@ -107,8 +111,8 @@ def _along_rays(m: float, samples: int) -> Array:
 
 
 def _lobes(rays: int) -> Array:
-    """Weights of the sums over all rays of the products of two radii that lie 0, 1, 2 ... rays
-    apart, over the sum of their squares, in sum (n - 1) e_n^2 of the harmonics n > 2."""
+    """Weights of the correlations of the radii over lags of 0, 1, 2 ... rays, over the sum of their
+    squares, in sum (n - 1) e_n^2 over the harmonics n > 2 (Wiener-Khinchin)."""
     n, lag = np.arange(3, rays // 2 + 1), np.arange(rays // 2 + 1)
     share = np.cos(2 * np.pi / rays * np.outer(lag, n)) * np.where(n < rays / 2, 4, 2) / rays
     share *= np.where((lag > 0) & (lag < rays / 2), 2, 1)[:, None]
@@ -117,7 +121,7 @@ def _lobes(rays: int) -> Array:
 
 @lru_cache(maxsize=8)
 def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
-    """What all profiles share in `fit_rows`, `march_rows` and `tabulate_rows`, but the modulus."""
+    """Arguments of `fit_rows`, `march_rows` and `tabulate_rows` that depend on m and the grids."""
     tables, fit = ellipse_tables(m), fit_rules(rays)
     first, last, count = LOG_RATIO
     u = levels_of(nodes)
@@ -143,7 +147,8 @@ def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
 
 
 def _fine_rows(rows: Array) -> Array:
-    """Tables at `_RATIO_POINTS` axis ratios, by local cubics, as `_contour_kernels` reads them."""
+    """Rows of the tables at `_RATIO_POINTS` axis ratios, by cubic interpolation, in the layout of
+    `_contour_kernels`."""
     from surfaces.numerics.lanes import groups
 
     from ._contour_kernels import FORMS, WIDTH
@@ -160,7 +165,7 @@ def _fine_rows(rows: Array) -> Array:
 
 
 def _workspace(key: tuple[Any, ...], make: Callable[[], tuple[Any, ...]]) -> tuple[Any, ...]:
-    """Working groups of this thread, kept for the next call: tables are made in many small ones."""
+    """Working arrays of this thread, kept for the next call: most calls make few laws."""
     if getattr(_KEPT, "key", None) != key:
         _KEPT.key, _KEPT.space = key, make()
     space: tuple[Any, ...] = _KEPT.space

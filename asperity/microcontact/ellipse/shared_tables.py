@@ -1,13 +1,13 @@
-"""Tables that all profiles share: of the elliptic contact over its axis ratio, and of their fits.
+"""Tables that all profiles share: the elliptic contact over its axis ratio, and their fits.
 
-By Galin's operator (`ellipse_operator`) there is, per monomial of the displacement, the amplitude
-of the edge singularity at nodes on a quarter of the ellipse, and what the edge makes of a change of
-the contour. A table takes a fraction of a second.
+`EllipseTables` holds, by Galin's operator (`ellipse_operator`), the amplitude of the edge
+singularity of each displacement monomial at nodes on a quarter of the ellipse, and the second-order
+effect of a displaced contour. It takes a fraction of a second to make.
 
-A summit of a broad spectrum is not one polynomial: it is fitted on several nested ellipses, and the
-contact law uses the smallest that reaches beyond the contact. The ellipses share their samples, and
-their axis ratio is rounded to one of a few, so that a fit is the product with a matrix made
-beforehand.
+`FitRules` holds least-squares matrices. A summit of a broad spectrum is not one polynomial: it is
+fitted on several nested ellipses, and the law uses the smallest that reaches beyond the contact.
+The ellipses share their samples, and their axis ratio is rounded to one of a few, so that a fit is
+one product with a matrix.
 """
 
 from __future__ import annotations
@@ -48,19 +48,19 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 LANES = 8
-"""Nodes on a quarter of the ellipse in the tables: DEGREE + 1, the last one repeated."""
+"""Nodes on a quarter of the ellipse in the tables: DEGREE + 1, padded by the last one."""
 
 LOG_RATIO = (math.log(1 / 80), math.log(2.5), 64)
 """First and last ln(b/a) of the tables and the number of nodes."""
 
 SHRINK = 0.66
-"""Size of each fit relative to the last."""
+"""Size of each nested ellipse over the next larger one."""
 
 _RINGS = (0, 1, 2, 4, 6)
-"""Radii of the samples of one fit, as powers of the root of `SHRINK`."""
+"""Radii of the samples of one fit, as powers of sqrt(`SHRINK`) times its size."""
 
 _SKEW = np.exp(np.linspace(np.log(0.5), np.log(16.0), 36))
-"""Axis ratios of the base ellipse over that of the rays, to one of which a summit is rounded."""
+"""Axis ratios of the fitted ellipse over that of the rays; each summit gets the nearest."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +88,11 @@ class EllipseTables:
 def _free_fields(
     m: float, ratio: Array, degree: int, t: Array
 ) -> Iterator[tuple[int, Index, Array, list[Array]]]:
-    """Fields ``P (1 - rho**2)**((m-3)/2)`` that displace nothing, P a polynomial, by parity class.
+    """Fields ``P (1 - rho**2)**((m-3)/2)``, P a polynomial, that cause no displacement.
 
-    For each class: 0 for cosines, 1 for sines; their numbers k; the values of P at the edge, which
-    are these modes, at parameters t, shape (t, k); and the first and second coefficient of P in
-    powers of ``1 - rho**2`` there, shapes (ratio, t, k).
+    Yields for each parity class: 0 for cosines or 1 for sines; the numbers k of the Fourier modes
+    that P has at the edge; these modes at the parameters t, shape (t, k); the first and the second
+    coefficient of P there in powers of ``1 - rho**2``, shape (ratio, t, k) each.
     """
     lower = steeper_operator(m, ratio, degree)
     i, j = monomials(degree)
@@ -116,9 +116,10 @@ def _free_fields(
 
 
 def _stiffness_forms(m: float, ratio: Array, degree: int, moments: Array) -> Array:
-    """Upper triangles of the second-order stiffness form, per ratio (ellipse_law 2).
+    """Upper triangles of the second-order form S of the stiffness, per ratio.
 
-    `moments` are the means of ``gamma**(m-1) cos(k t)`` over the edges.
+    A contour displaced by the Fourier modes x_i changes the stiffness in second order by
+    sum S_ij x_i x_j. `moments` are the means of ``gamma**(m-1) cos(k t)`` over the edges.
     """
     count = 2 * (moments.shape[1] - 1)
     weight, bent = (
@@ -140,13 +141,13 @@ def _stiffness_forms(m: float, ratio: Array, degree: int, moments: Array) -> Arr
 
 @lru_cache(maxsize=8)
 def edge_slopes(m: float, degree: int) -> Array:
-    """Edge of the fields ``(1 - rho**2)**((m-3)/2)`` without displacement, in Fourier modes up to
-    an even degree.
+    """Operators R and R' of docs/development/laws.md in Fourier modes up to an even degree.
 
-    Per ln(b/a) of the tables the matrices from the modes cos k t (first) and sin k t (second) of
-    the polynomial's value at the edge to those of its first and second coefficient in powers of
-    ``1 - rho**2`` there, shape (ratios, 2, 2, degree + 1, degree + 1), the coefficient first;
-    ``-k/2`` and ``k (k - 2)/8`` on the circle.
+    A field ``P (1 - rho**2)**((m-3)/2)`` without displacement has the expansion P = P0 + P1 y + P2
+    y^2 in ``y = 1 - rho**2`` at the edge. The matrices take the modes of P0 to those of P1 and of
+    P2, for cosines and for sines; shape (ratios, 2, 2, degree + 1, degree + 1), with the index of
+    the coefficient before that of cosine and sine. On the circle they are ``-k/2`` and
+    ``k (k - 2)/8``.
     """
     ratio, count = np.exp(np.linspace(*LOG_RATIO)), 4 * (degree + 1)
     out = np.zeros((ratio.size, 2, 2, degree + 1, degree + 1))
@@ -186,7 +187,7 @@ def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
 
 
 def between(rows: Array, position: float) -> Array:
-    """Row at a logarithm of the axis ratio of a table over these, by local cubics."""
+    """Row of a table at ln(b/a) = `position`, by cubic interpolation (Lagrange, four rows)."""
     first, last, count = LOG_RATIO
     place = min(max((position - first) / (last - first) * (count - 1), 0.0), count - 1.0)
     i = min(max(int(place), 1), count - 3)
@@ -204,25 +205,25 @@ def between(rows: Array, position: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FitRules:
-    """What the fits of all summits share.
+    """Least-squares matrices of the nested fits, for all summits.
 
     Parameters
     ----------
     radii
-        Radii of the samples relative to the largest ellipse.
+        Radii of the samples over the largest ellipse.
     rings
-        The radii of each fit, shape (fits, rings).
+        Index in `radii` of the samples of each fit, shape (fits, rings).
     image
-        The rays at (+,+), (-,+), (-,-), (+,-) of each ray in the first quadrant.
+        Rays at (+,+), (-,+), (-,-), (+,-) of each ray in the first quadrant.
     skew
-        Axis ratios of the base ellipse over that of the rays.
+        Axis ratios of the fitted ellipse over that of the rays.
     matrices
-        Coefficients from the means of a parity class at the points (ray, ring), shape
-        (skew, class, monomials of the class, points), padded.
+        Matrices from the means of a parity class at the points (ray, ring) to the coefficients of
+        its monomials, shape (skew, class, monomials of the class, points), padded.
     members, count
-        Number, i and j of the monomials of each class, and how many they are.
+        Index, i and j of the monomials x^i y^j of each class, and their number.
     logs
-        Logarithms of the sizes of the fits.
+        Logarithms of the sizes of the fits over the largest.
     """
 
     radii: Array
