@@ -1,4 +1,8 @@
-"""Pressures of few elements under a flat, at an approach or under a load, and their contour."""
+"""Compiled solvers of a small contact: pressures at an approach or under a load, and contact area.
+
+The units are the largest overlap, and this over `halfspace.influence.compliance` for pressures. G
+is the matrix of influences of rectangular elements (`halfspace.influence.near_influence`).
+"""
 
 from __future__ import annotations
 
@@ -25,21 +29,21 @@ MOST_ELEMENTS = 700
 """Largest number of elements of one contact."""
 
 COPY_CHUNK = 16
-"""Influences copied at a time: what follows is overwritten, and rows are as much longer."""
+"""Influences copied at a time. The last copy may pass the end of a row: rows are longer by it."""
 
 MAX_GRADIENT_STEPS = 200
-"""Steps of conjugate gradients."""
+"""Most steps of conjugate gradients."""
 
 FORCE_SHIFTS = 4
-"""Times that the force is restored by a shift of all pressures between their bounds."""
+"""Most shifts of the pressures between their bounds that restore the force."""
 
 OUTSIDE = -1
-"""Number of elements of other basins and of those that the flat does not reach."""
+"""Mark of grid points that are no elements: of other basins, or not reached by the flat."""
 
 
 @inner(fastmath=True)
-def _forget(count, row, col, system):
-    """Begin with no row of the matrix made; note where elements that follow each other end."""
+def _reset_rows(count, row, col, system):
+    """Mark all rows of the matrix as not made, and note where runs of adjoining elements end."""
     _, made, ends = system
     first = 0
     for i in range(count):
@@ -50,10 +54,10 @@ def _forget(count, row, col, system):
 
 
 @inner(fastmath=True)
-def _relieve(count, amounts, row, col, kernel, system, out):
-    """Take the displacements of all elements by the pressures `amounts` off `out`.
+def _subtract_displacement(count, amounts, row, col, kernel, system, out):
+    """Subtract G `amounts`, the displacements by these pressures, from `out`.
 
-    Rows of the matrix are made when they are first needed: elements that stay open need none.
+    Rows of G are made when they are first needed: elements that stay open need none.
     """
     matrix, made, ends = system
     for i in range(count):
@@ -63,7 +67,7 @@ def _relieve(count, amounts, row, col, kernel, system, out):
         line = matrix[i]
         if not made[i]:
             made[i], last = True, 0
-            while last < count:  # elements that follow each other in a row of the grid
+            while last < count:  # one run of adjoining elements of a grid row after the other
                 first, last = last, ends[last]
                 begin, offsets = (
                     MOST_SIDE_ELEMENTS + col[first] - col[i],
@@ -78,58 +82,59 @@ def _relieve(count, amounts, row, col, kernel, system, out):
 
 
 @inner(fastmath=True)
-def solve(count, row, col, gap, kernel, tolerance, system, pressure, work):
-    """Pressures p >= 0 that close the overlaps: the minimum of p G p / 2 - p gap.
+def solve(count, row, col, overlap, kernel, tolerance, system, pressure, work):
+    """Pressures p >= 0 under overlaps h at no pressure: the minimum of p.G p / 2 - p.h.
 
-    Conjugate gradients that are restricted to the closed elements (Polonsky & Keer 1999), from the
-    pressures of a paraboloid of this depth. `gap` is the overlap over its largest value. Leaves the
-    overlap that remains in the first row of `work`; `system` is scratch (`elements`).
+    Conjugate gradients on the closed elements (Polonsky & Keer 1999), from the pressures of a
+    paraboloid. Leaves the residual h - G p in the first row of `work`; `system` is scratch.
     """
-    _forget(count, row, col, system)
-    left, way, change, beside = work[0], work[1], work[2], work[3]
+    _reset_rows(count, row, col, system)
+    residual, direction, change, correction = work[0], work[1], work[2], work[3]
     scale = 4.0 / math.pi * math.sqrt(2.0 * math.pi / count)
     for i in range(count):
-        pressure[i] = scale * math.sqrt(max(2.0 * gap[i] - 1.0, 0.0))
-        left[i], way[i] = gap[i], 0.0
-    _relieve(count, pressure, row, col, kernel, system, left)
+        pressure[i] = scale * math.sqrt(max(2.0 * overlap[i] - 1.0, 0.0))
+        residual[i], direction[i] = overlap[i], 0.0
+    _subtract_displacement(count, pressure, row, col, kernel, system, residual)
     before, fresh = 1.0, True
     for _ in range(MAX_GRADIENT_STEPS):
         total, error, square = 0.0, 0.0, 0.0
         for i in range(count):
-            total += pressure[i] * gap[i]
+            total += pressure[i] * overlap[i]
             if pressure[i] > 0.0:
-                square += left[i] * left[i]
-                error += abs(left[i]) * pressure[i]
+                square += residual[i] * residual[i]
+                error += abs(residual[i]) * pressure[i]
         if error <= tolerance * total:
             break
         share = np.float32(0.0 if fresh else square / before)
         before = square
         for i in range(count):
-            way[i] = left[i] + share * way[i] if pressure[i] > 0.0 else np.float32(0.0)
+            direction[i] = (
+                residual[i] + share * direction[i] if pressure[i] > 0.0 else np.float32(0.0)
+            )
             change[i] = 0.0
-        _relieve(count, way, row, col, kernel, system, change)
+        _subtract_displacement(count, direction, row, col, kernel, system, change)
         above, below = 0.0, 0.0
         for i in range(count):
-            below -= change[i] * way[i]
-            above += left[i] * way[i]
+            below -= change[i] * direction[i]
+            above += residual[i] * direction[i]
         step, fresh = np.float32(above / below), False
         for i in range(count):
-            beside[i] = 0.0  # what the pressure changes by beyond a step along the way
+            correction[i] = 0.0  # change of the pressure besides the step along the direction
             if pressure[i] > 0.0:
-                pressure[i] += step * way[i]
+                pressure[i] += step * direction[i]
                 if pressure[i] < 0.0:
-                    beside[i], pressure[i] = -pressure[i], np.float32(0.0)
-            elif left[i] > 0.0:
-                pressure[i] = beside[i] = step * left[i]
+                    correction[i], pressure[i] = -pressure[i], np.float32(0.0)
+            elif residual[i] > 0.0:
+                pressure[i] = correction[i] = step * residual[i]
                 fresh = True
         for i in range(count):
-            left[i] += step * change[i]
-        _relieve(count, beside, row, col, kernel, system, left)
+            residual[i] += step * change[i]
+        _subtract_displacement(count, correction, row, col, kernel, system, residual)
 
 
 @inner(fastmath=True)
 def _restore(count, load, bound, pressure):
-    """Bring the sum of pressures between 0 and `bound` to the load by a shift of those between."""
+    """Bring the sum of the pressures to the load by a shift of those between 0 and `bound`."""
     for _ in range(FORCE_SHIFTS):
         total, between = 0.0, 0
         for i in range(count):
@@ -145,17 +150,18 @@ def _restore(count, load, bound, pressure):
 
 
 @inner(fastmath=True)
-def _level(count, bound, pressure, left):
-    """Overlap that remains under the flat: the mean between the bounds, or halfway between what
-    remains at the bound and off contact."""
+def _level(count, bound, pressure, residual):
+    """Residual that all elements between the bounds should share: how much the flat stands above
+    the assumed depth. Their mean; if there are none, the mean of the least residual at the bound
+    and the largest off contact."""
     total, between, low, high = 0.0, 0, 1e30, -1e30
     for i in range(count):
         if pressure[i] <= 0.0:
-            high = max(high, left[i])
+            high = max(high, residual[i])
         elif pressure[i] >= bound:
-            low = min(low, left[i])
+            low = min(low, residual[i])
         else:
-            total += left[i]
+            total += residual[i]
             between += 1
     if between:
         return np.float32(total / between)
@@ -167,38 +173,39 @@ def _level(count, bound, pressure, left):
 
 
 @inner(fastmath=True)
-def bear(count, row, col, gap, kernel, load, bound, tolerance, system, pressure, work):
-    """Pressures 0 <= p <= bound of this sum: the minimum of p G p / 2 - p gap.
+def bear(count, row, col, overlap, kernel, load, bound, tolerance, system, pressure, work):
+    """Pressures 0 <= p <= bound whose sum is the `load`: the minimum of p.G p / 2 - p.h.
 
-    Conjugate gradients on the elements between the bounds and on those that leave one (Polonsky &
-    Keer 1999). Leaves the overlap that remains, over its level, in the first row of `work` and
-    returns this level. `system` is scratch.
+    Conjugate gradients on the elements between the bounds, and on those that leave a bound
+    (Polonsky & Keer 1999; upper bound: Tian & Bhushan 1996). Returns the `_level` of the residual
+    h - G p, and leaves the residual less this level in the first row of `work`. `system` is
+    scratch.
     """
-    _forget(count, row, col, system)
-    left, way, change, beside = work[0], work[1], work[2], work[3]
+    _reset_rows(count, row, col, system)
+    residual, direction, change, correction = work[0], work[1], work[2], work[3]
     low, high = 0.0, 2.0 * max(bound, load)
     for i in range(count):
-        way[i] = 0.0
+        direction[i] = 0.0
     for _ in range(40):  # pressures of a paraboloid, cut at the bound
         scale, total = 0.5 * (low + high), 0.0
         for i in range(count):
-            total += min(scale * math.sqrt(max(gap[i], 0.0)), bound)
+            total += min(scale * math.sqrt(max(overlap[i], 0.0)), bound)
         if total < load:
             low = scale
         else:
             high = scale
     for i in range(count):
-        pressure[i] = min(high * math.sqrt(max(gap[i], 0.0)), bound)
-        left[i] = gap[i]
-    _relieve(count, pressure, row, col, kernel, system, left)
+        pressure[i] = min(high * math.sqrt(max(overlap[i], 0.0)), bound)
+        residual[i] = overlap[i]
+    _subtract_displacement(count, pressure, row, col, kernel, system, residual)
     before, fresh = np.float32(1.0), True
     level = np.float32(0.0)
     for _ in range(MAX_GRADIENT_STEPS):
-        level = _level(count, bound, pressure, left)
+        level = _level(count, bound, pressure, residual)
         error, total, square, mean, free = 0.0, 0.0, 0.0, 0.0, 0
         for i in range(count):
-            over = left[i] - level
-            total += pressure[i] * gap[i]
+            over = residual[i] - level
+            total += pressure[i] * overlap[i]
             error += (bound - pressure[i]) * over if over > 0.0 else -pressure[i] * over
             if (pressure[i] > 0.0 or over > 0.0) and (pressure[i] < bound or over < 0.0):
                 square += over * over
@@ -208,24 +215,24 @@ def bear(count, row, col, gap, kernel, load, bound, tolerance, system, pressure,
         share = np.float32(0.0 if fresh else square / before)
         before = np.float32(square)
         for i in range(count):
-            over = left[i] - level
-            way[i] = (
-                over + share * way[i]
+            over = residual[i] - level
+            direction[i] = (
+                over + share * direction[i]
                 if (pressure[i] > 0.0 or over > 0.0) and (pressure[i] < bound or over < 0.0)
                 else np.float32(0.0)
             )
-            mean += way[i]
+            mean += direction[i]
         mean /= free
         above, below = 0.0, 0.0
         for i in range(count):
-            over = left[i] - level
+            over = residual[i] - level
             if (pressure[i] > 0.0 or over > 0.0) and (pressure[i] < bound or over < 0.0):
-                way[i] -= np.float32(mean)
-                above += over * way[i]
+                direction[i] -= np.float32(mean)
+                above += over * direction[i]
             change[i] = 0.0
-        _relieve(count, way, row, col, kernel, system, change)
+        _subtract_displacement(count, direction, row, col, kernel, system, change)
         for i in range(count):
-            below -= change[i] * way[i]
+            below -= change[i] * direction[i]
         if not below > 0.0:
             if fresh:
                 break
@@ -233,35 +240,35 @@ def bear(count, row, col, gap, kernel, load, bound, tolerance, system, pressure,
             continue
         step, fresh = np.float32(above / below), False
         for i in range(count):
-            beside[i] = pressure[i]
-            wanted = pressure[i] + step * way[i]
+            correction[i] = pressure[i]
+            wanted = pressure[i] + step * direction[i]
             pressure[i] = min(max(wanted, np.float32(0.0)), bound)
-            if pressure[i] != wanted or (beside[i] <= 0.0 and pressure[i] > 0.0):
+            if pressure[i] != wanted or (correction[i] <= 0.0 and pressure[i] > 0.0):
                 fresh = True
-            beside[i] += step * way[i]
-            left[i] += step * change[i]
+            correction[i] += step * direction[i]
+            residual[i] += step * change[i]
         if fresh:
             _restore(count, load, bound, pressure)
             for i in range(count):
-                beside[i] = pressure[i] - beside[i]
-            _relieve(count, beside, row, col, kernel, system, left)
+                correction[i] = pressure[i] - correction[i]
+            _subtract_displacement(count, correction, row, col, kernel, system, residual)
     for i in range(count):
-        left[i] -= level
+        residual[i] -= level
     return level
 
 
 @inner()
-def _way(inside, outside, side, closed, left, m, edge, bound):
-    """Way from a closed element towards an open one, over their distance, to the edge of contact.
+def _edge_share(inside, outside, side, closed, residual, m, edge, bound):
+    """Distance of the edge of contact from a closed element, over that of an open neighbor.
 
-    Next to the edge of a smooth contact the pressure is c s^((1+m)/2) and the gap
-    c edge s^((3-m)/2), both at the distance s and as lengths in units of the element: c follows
-    from the distance `side` of the two elements.
+    At the distance s from the edge of a smooth contact the pressure is c s^((1+m)/2), and the gap c
+    `edge` s^((3-m)/2), with `edge` = Gamma((3+m)/2)/Gamma((5-m)/2), in the units of this module and
+    with the side of a square element as length. c follows from the distance `side` of both.
     """
     if outside < 0 or closed[inside] >= bound:
         return 0.5
     power, ratio = 2.0 / (3.0 - m), (3.0 - m) / (1.0 + m)
-    a, b = float(closed[inside]), (max(-left[outside], 0.0) / edge) ** power
+    a, b = float(closed[inside]), (max(-residual[outside], 0.0) / edge) ** power
     a = a * a if m == 0.0 else a ** (2.0 / (1.0 + m))
     w = (side / a) ** (1.0 / ratio)  # c^-power, at which both distances add up to `side`
     if b * w > side:
@@ -273,12 +280,12 @@ def _way(inside, outside, side, closed, left, m, edge, bound):
 
 
 @inner()
-def contact_size(number, nv, nu, hv, hu, closed, left, m, edge, bound):
-    """Area over that of an element within the contour of a contact.
+def contact_size(number, nv, nu, hv, hu, closed, residual, m, edge, bound):
+    """Contact area over the area of an element.
 
-    `number` is the element at each point of the grid, or `OUTSIDE`. The contour crosses the lines
-    between neighbors as `_way` says and is straight from one line to the next; where the next point
-    is none, it runs along the elements.
+    `number` is the element at each point of the grid, or `OUTSIDE`. The contour crosses the line
+    between a closed and an open neighbor at the point of `_edge_share`, halfway if the neighbor is
+    `OUTSIDE`, and is straight from one crossing to the next (marching squares).
     """
     corners, ways = np.empty(4, np.int64), np.empty((8, 2))
     total = 0.0
@@ -310,9 +317,9 @@ def contact_size(number, nv, nu, hv, hu, closed, left, m, edge, bound):
                     continue
                 side = hv if step_y != 0.0 else hu
                 if own:
-                    share = _way(here, there, side, closed, left, m, edge, bound)
+                    share = _edge_share(here, there, side, closed, residual, m, edge, bound)
                 else:
-                    share = 1.0 - _way(there, here, side, closed, left, m, edge, bound)
+                    share = 1.0 - _edge_share(there, here, side, closed, residual, m, edge, bound)
                 ways[count, 0], ways[count, 1] = y + share * step_y, x + share * step_x
                 count += 1
             twice = 0.0

@@ -17,39 +17,39 @@ ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
 
 HALF_WINDOW = 96
-"""Half the side [pixels] of the window in which the basin of a summit is looked at."""
+"""Half the side [pixels] of the window about a summit that must hold its basin above the flat."""
 
 GRID_FITS = 4
-"""Times that the grid is fitted to the part of the basin above the flat."""
+"""Most fits of the grid to the part of the basin above the flat."""
 
 TIGHT_FIT = 0.75
-"""Size of the fitted grid over the one before at which it stands."""
+"""A fitted grid is kept if its size is more than this part of that of the fit before."""
 
 LEAST_OVERLAP = 0.4
-"""Least part of the grid to overlap with the flat; elements become smaller until as many do."""
+"""Least number of elements that overlap with the flat, over the number wanted: else they shrink."""
 
 FEW_PIXELS = 12
-"""Pixels above the flat below which the axes of the summit turn the grid, not their moments."""
+"""Up to this number of pixels above the flat the grid has the axes of the summit, not of them."""
 
 FIRST_BOX = 1.7
-"""Half a side of the first box about a summit over the root of approach over curvature."""
+"""Half a side of the first box about a summit, over sqrt(approach / curvature)."""
 
 GRID_TRIES = 6
-"""Grids tried for one contact."""
+"""Most grids tried for one contact under a force."""
 
 VIEWED_DEPTH = 1.1
-"""Depth of the part of a basin that is looked at, over the approach of the contact."""
+"""Depth below the summit down to which elements are made, over the expected approach."""
 
 SHORT_DEPTH = 0.35
-"""Part of that depth which the flat may stay short of: beyond, elements are too large."""
+"""Part of this depth by which the flat may stay above it; beyond, elements are too large."""
 
 LEAST_DEPTH_RATIO = 1e-4
-"""Least depth of the next try over that of the last one: single precision tells no smaller part."""
+"""Least depth of the next try over the last one; single precision resolves no smaller part."""
 
 
 @inner()
 def _wrapped(place, count):
-    """A place in a periodic row of so many; most lie inside, and need no division."""
+    """Index `place` modulo `count`; most are in range, and need no division."""
     return place if 0 <= place < count else place % count
 
 
@@ -57,11 +57,11 @@ def _wrapped(place, count):
 def _flood(
     heights, labels, owner, periodic, tilt, peak, row, col, place, level, mark, stamp, rows, cols
 ):  # fmt: skip
-    """Pixels of a basin above `level` that hang together with the pixel (row, col).
+    """Pixels of a basin above `level` that are connected to the pixel (row, col) (flood fill).
 
-    The surface falls by `tilt` [m] per pixel along y and x from `place` on. Returns their number;
-    0 if they leave the window or reach points of no basin. The border of a map that is not periodic
-    ends them.
+    The surface falls by `tilt` [m] per pixel along y and x from `place` on. Returns the number of
+    pixels; 0 if they leave the window or reach points of no basin. The flood stops at the border of
+    a map that is not periodic.
     """
     ny, nx = heights.shape
     rows[0], cols[0] = row, col
@@ -117,13 +117,13 @@ def _turn(heights, tilt, place, rows, cols, count, level, spacing):
 @inner()
 def _sample(
     heights, labels, owner, periodic, flat, width, tilt, peak, place, top, depth, below, spacing,
-    turn, box, points, gap, inside, stack,
+    turn, box, points, lap, inside, stack,
 ):  # fmt: skip
     """Grid of about `points` elements over the box (u0, u1, v0, v1) [m], turned about the summit.
 
-    Fills `gap` (overlap [m] with the flat) and `inside` (the part that hangs together with the
-    highest element `below` [m] under the flat); tightens the box to what overlaps. Returns the
-    shape, the sides, the row of `ASPECTS`, the first corner and how many elements overlap.
+    Fills `lap` (overlap [m] with the flat) and `inside` (elements connected to the highest one,
+    down to `below` [m] under the flat), and tightens the box to the elements that overlap. Returns
+    the shape, the sides, the row of `ASPECTS`, the first corner, and the number that overlap.
     """
     ny, nx = heights.shape
     along, across = box[1] - box[0], box[3] - box[2]
@@ -143,7 +143,7 @@ def _sample(
             u, v = u0 + j * hu, v0 + i * hv
             y, x = place[0] + (s * u + c * v) / spacing[0], place[1] + (c * u - s * v) / spacing[1]
             k = i * nu + j
-            gap[k], inside[k] = -np.inf, 0
+            lap[k], inside[k] = -np.inf, 0
             row, col = math.floor(y + 0.5), math.floor(x + 0.5)
             fall = tilt[0] * (y - place[0]) + tilt[1] * (x - place[1])
             if periodic:
@@ -153,10 +153,10 @@ def _sample(
                 continue
             own = labels[row, col]
             if own >= 0 and owner[own] == peak:
-                gap[k] = depth - max(top - (expand(flat, width, y, x)[0] - fall), 0.0)
+                lap[k] = depth - max(top - (expand(flat, width, y, x)[0] - fall), 0.0)
                 away = u * u + v * v  # all of a flat top are alike
-                if gap[k] > best or (gap[k] == best and away < nearest):
-                    best, nearest, first = gap[k], away, k
+                if lap[k] > best or (lap[k] == best and away < nearest):
+                    best, nearest, first = lap[k], away, k
     if first < 0:
         return 0, 0, 0.0, 0.0, 0, u0, v0, 0
     stack[0], count, done, over = first, 1, 0, 0
@@ -167,13 +167,13 @@ def _sample(
         k = stack[done]
         done += 1
         i, j = k // nu, k % nu
-        if gap[k] > 0.0:
+        if lap[k] > 0.0:
             over += 1
             low_u, high_u = min(low_u, j), max(high_u, j)
             low_v, high_v = min(low_v, i), max(high_v, i)
         for step in range(9):
             a, b = i + step // 3 - 1, j + step % 3 - 1
-            if 0 <= a < nv and 0 <= b < nu and not inside[a * nu + b] and gap[a * nu + b] > -below:
+            if 0 <= a < nv and 0 <= b < nu and not inside[a * nu + b] and lap[a * nu + b] > -below:
                 inside[a * nu + b] = 1
                 stack[count] = a * nu + b
                 count += 1
@@ -186,14 +186,14 @@ def _sample(
 def _elements(peak, depth, surface, summits, points, stamp, space):
     """Elements about a peak that overlap with a flat at `depth` [m] below its top.
 
-    Arguments are those of `press_levels`. Fills rows, columns, overlaps over the depth and the
-    numbers of the elements in `space`; `stamp` is another one for each call with this `space`.
-    Returns their number, -1 where the basin reaches too far, the grid as `_sample` does, and the
-    cosine and sine of its turn.
+    Arguments are those of `press_levels`; `stamp` differs for each call with one `space`. Fills
+    rows, columns, overlaps over the depth and indices of the elements in `space`. Returns the
+    number of elements, -1 if the basin reaches too far, the grid of `_sample`, and the cosine and
+    sine of its turn.
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
     peak_row, peak_col, places, tops, axes, curvature, floors, tilts = summits
-    (mark, pixel_rows, pixel_cols), (gap, inside, stack, number, box), scratch = space
+    (mark, pixel_rows, pixel_cols), (lap, inside, stack, number, box), scratch = space
     overlap, row, col = scratch[2], scratch[4], scratch[5]
     (ny, nx), rim = heights.shape, max(spacing[0], spacing[1])
     top, tilt = tops[peak], tilts[peak]
@@ -230,7 +230,7 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
         size = (box[1] - box[0]) * (box[3] - box[2])
         nv, nu, hv, hu, kind, u0, v0, over = _sample(
             heights, labels, owner, periodic, flat, width, tilt, peak, place, top, depth,
-            below, spacing, turn, box, wanted, gap, inside, stack,
+            below, spacing, turn, box, wanted, lap, inside, stack,
         )  # fmt: skip
         tighter = (box[1] - box[0]) * (box[3] - box[2]) / size
         finer = enough * tighter / max(over, 1)
@@ -242,8 +242,8 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
     total = np.int64(0)
     number[: nv * nu] = OUTSIDE
     for k in range(nv * nu):
-        if inside[k] and gap[k] > 0.0 and total < MOST_ELEMENTS:
-            row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
+        if inside[k] and lap[k] > 0.0 and total < MOST_ELEMENTS:
+            row[total], col[total], overlap[total] = k // nu, k % nu, lap[k] / depth
             number[k] = total
             total += 1
     if total == MOST_ELEMENTS:
@@ -256,16 +256,15 @@ def press_levels(
     slot, first, last, peak, surface, summits, depths, unit, m, kernels, points, tolerance, out,
     space,
 ):  # fmt: skip
-    """Force, area, centre y, x and moments yy, xx, yx of the pressure of a peak, and the area of
-    it above the flat [SI].
+    """Press a peak at the levels `first` to `last` - 1 of row `slot` of `depths`.
 
-    At the levels from `first` to before `last` of the row `slot` of `depths`. `surface` holds
-    heights, labels, owners of labels, periodicity, spline, its width and the spacing; `summits` the
-    pixels, places [pixels], heights [m], axes [rad], curvatures [1/m], floors [m] (finite ones are
-    of joined summits, which get twice the elements) and tilts [m per pixel] of all; `depths` the
-    approaches [m], (n, levels), rising, zero after the last; `unit` the compliance of an element of
-    unit area; `out` is (n, levels, 8): zero where too few elements overlap, its force negative
-    where the basin reaches too far, which ends it; `space` is scratch.
+    Fills `out` (n, levels, 8) [SI]: force, area, centre y, x and moments yy, xx, yx of the
+    pressure, area of the peak above the flat. All are zero where too few elements overlap; the
+    force is negative, and the row ends, where the basin reaches too far. `surface` holds heights,
+    labels, owners of labels, periodicity, spline, its width and the spacing; `summits` pixels,
+    places [pixels], heights [m], axes [rad], curvatures [1/m], floors [m] (finite for joined
+    summits, which get twice the elements) and tilts [m per pixel]; `depths` ascending approaches
+    [m], (n, levels), then zeros; `unit` the compliance of an element of unit area.
     """
     (number, scratch), mark = (space[1][3], space[2]), space[0][0]
     system, closed, overlap, work, row, col = scratch
@@ -311,11 +310,10 @@ def areas_under_load(
     first, last, peaks, forces, depths, surface, summits, unit, m, hardness, kernels, points,
     tolerance, out, space,
 ):  # fmt: skip
-    """Contact areas [m^2] of peaks that carry forces [N] under a hardness [Pa], into `out`.
+    """Fill `out` from `first` to `last` - 1 with contact areas [m^2] under forces and a hardness.
 
-    Those from `first` to before `last`. `depths` are about the approaches [m]; the other arguments
-    are those of `press_levels`. An area is zero where the basin reaches too far or does not bear
-    the force.
+    `depths` are estimates of the approaches [m], `hardness` is in Pa; other arguments are those of
+    `press_levels`. An area is zero where the basin reaches too far or does not bear the force.
     """
     number, scratch, mark = space[1][3], space[2], space[0][0]
     system, closed, overlap, work, row, col = scratch

@@ -1,8 +1,8 @@
 """Laws of single summits by boundary elements on their own basins.
 
-Where few contacts carry the load their laws do not average out, and a summit that has outgrown its
-expansion is off by several per cent. Its basin, cut out of the map and pressed alone, is a problem
-of some two hundred unknowns.
+The law of a summit that has outgrown its expansion is off by several per cent. Where few contacts
+carry the load these errors do not average out. A basin cut out of the map and pressed alone is a
+problem of some two hundred unknowns.
 """
 
 from __future__ import annotations
@@ -32,50 +32,52 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 PRESSED_NODES = np.array([0, 1, 2, 4, 6, 9, 13, 23])
-"""Nodes of the table, from the last that the expansion describes on, at which a basin is pressed;
-and the last node."""
+"""Nodes of the table at which a basin is pressed, counted from the last node that the expansion
+describes; nodes beyond the table count as its last one."""
 
 PRESSED_NODES_JOINED = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 19, 23])
-"""Nodes at which the basin of joined summits is pressed, whose contact grows by jumps."""
+"""`PRESSED_NODES` of joined summits, whose contact grows by jumps."""
 
 ELEMENTS = 300.0
-"""Elements of the box about the part of a basin above the flat, of which contact takes a third."""
+"""Number of elements in the box about the part of a basin above the flat at a given approach. The
+contact takes a third of them."""
 
 ELEMENTS_LOADED = 150.0
-"""The same where a force is given."""
+"""Number of elements in this box under a given force."""
 
 GAP_WORK = 1e-3
-"""Work of the gaps that are left, over that of the pressures."""
+"""Tolerance: work of the pressures on the residual overlaps, over their work on all overlaps."""
 
 EXPECTED_ERROR = 0.005
-"""Error expected of the force: marks the laws made here."""
+"""Expected relative error of the force (`LawTable.spread`) of laws made here."""
 
 NODES_BEFORE = 4
-"""Nodes of the expansion whose forces the spline runs through, before the first that is pressed."""
+"""Number of nodes of the expansion, before the first pressed one, that the spline runs through."""
 
 LEVELS_PER_THREAD = 8
-"""Levels of a basin that one thread presses: some basins take ten times as long as others."""
+"""Levels of a basin that a thread takes at a time: some basins take ten times as long as others."""
 
 BASINS_PER_THREAD = 3
-"""Basins under a force that repay a thread."""
+"""Basins under a force that a thread takes at a time."""
 
 FEWEST_PRESSED = 3
-"""Nodes pressed with less than which a law stays as it is."""
+"""Least number of nodes at which a basin was pressed; with fewer its law is not changed."""
 
 
 def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> Array:
-    """Force [N], area [m^2], centre y, x [m] from the summit, moments yy, xx, yx [m^2] of the
-    pressure about it and area above the flat [m^2], of the basins of some summits pressed alone.
+    """Press the basins of the summits `rows` alone at the approaches `depths` [m], (n, levels).
 
-    Approaches `depths` [m] (n, levels) rise along each row; the result (n, levels, 8) is zero where
-    too few elements overlap, and from the level on at which a basin reaches too far.
+    Approaches ascend along each row. Returns for each, shape (n, levels, 8): force [N], area [m^2],
+    centre y, x [m] of the pressure relative to the summit, second moments yy, xx, yx [m^2] of the
+    pressure about this centre, and area of the basin above the flat [m^2]. All are zero where too
+    few elements overlap, and from the level on at which a basin reaches too far.
 
     Notes
     -----
-    The flat presses the surface between the points of the map (its spline) as far as it belongs to
-    the basin; the rest is taken away. The grid of rectangular elements lies along the long axis
-    of the part of the basin above the flat. The edge of contact lies between elements, where
-    pressure and gap of a smooth contact come to zero.
+    The surface is the spline of the map within the basin; the rest of the map is left out. The grid
+    of rectangular elements lies along the long axis of the part of the basin above the flat. The
+    edge of contact lies between elements, where pressure and gap of a smooth contact become zero
+    (`_closing_kernels.contact_size`).
     """
     from ._element_kernels import press_levels
 
@@ -101,8 +103,8 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
 def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: HalfSpace) -> Array:
     """Areas [m^2] of basins pressed alone by forces [N] under the hardness of a half-space, (n,).
 
-    `depth` is about the approach [m] of each. An area is zero where a basin reaches too far, or
-    does not bear the force.
+    `depth` estimates the approaches [m]. An area is zero where a basin reaches too far, or does not
+    bear the force.
     """
     from ._element_kernels import areas_under_load
 
@@ -120,7 +122,7 @@ def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: 
 
 
 def _scene(summits: Summits, row: Rows, col: Rows) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Surface and summits as `press_levels` takes them, with the pixels of the summits."""
+    """Arguments `surface` and `summits` of `press_levels`; `row`, `col` are pixels of summits."""
     hm, peaks = summits.hm, summits.peaks
     surface = (
         hm.mapped, mapped(peaks.labels), summits.owner, hm.periodic, summits.spline.ravel(),
@@ -134,7 +136,7 @@ def _scene(summits: Summits, row: Rows, col: Rows) -> tuple[tuple[Any, ...], tup
 
 
 def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
-    """Scratch of `press_levels`: of the window on the map, of the grid and of its elements."""
+    """Working arrays of `press_levels`: for the window on the map, the grid and its elements."""
     from ._closing_kernels import COPY_CHUNK, MOST_ELEMENTS, MOST_SIDE_ELEMENTS
     from ._element_kernels import HALF_WINDOW
 
@@ -156,7 +158,7 @@ def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
 
 @lru_cache(maxsize=4)
 def _kernels(m: float) -> NDArray[np.float32]:
-    """Displacements by an element of unit area at offsets (row, column), sides as `ASPECTS`."""
+    """Influences of an element of unit area at offsets (row, column), for each of `ASPECTS`."""
     from ._closing_kernels import COPY_CHUNK, MOST_SIDE_ELEMENTS
     from ._element_kernels import ASPECTS
 
@@ -173,17 +175,16 @@ def _kernels(m: float) -> NDArray[np.float32]:
 
 
 def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: HalfSpace) -> None:
-    """Go on from the expansions of some contacts by their basins pressed alone.
+    """Replace laws beyond their expansions by basins pressed alone, in place.
 
-    Of a table of laws by expansion, which nobody else holds, the rows `slots` belong to the summits
-    `rows`. Up to the last node that its expansion describes a row stays as it is; it keeps its
-    reach and its flags.
+    `table` holds laws by expansion; its rows `slots` belong to the summits `rows`. A row keeps the
+    nodes that its expansion describes, its reach and its flags.
 
     Notes
     -----
-    F / u^p and area / u^2 change slowly, u being the root of the approach over the reach: between
-    the approaches at which a basin is pressed the first is a cubic spline, whose slope is the
-    stiffness, and the second and the centre monotonic cubics.
+    With u = sqrt(d/reach), F / u^p and area / u^2 change slowly. Between the approaches at which a
+    basin is pressed F / u^p is a cubic spline, whose slope gives the stiffness; area / u^2 and the
+    centre are monotonic cubics.
     """
     if not slots.size:
         return
@@ -200,9 +201,9 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     wanted[:, 1:][np.diff(wanted, axis=1) == 0] = 0
     u = np.arange(table.nodes + 1) / table.nodes
     found = press(summits, rows, table.reach[slots, None] * u[wanted] ** 2, material)
-    # near m = -1 they come out as no numbers, or as forces on no area
+    # near m = -1 results can be NaN, or forces on no area
     found[~(np.isfinite(found).all(axis=2) & (found[:, :, 1] > 0.0))] = 0.0
-    lost = np.flatnonzero(found[:, 0, 0] == 0.0)  # too few elements: the expansion tells
+    lost = np.flatnonzero(found[:, 0, 0] == 0.0)  # too few elements: values of the expansion
     node = slots[lost], first[lost]
     found[lost, 0, 0], found[lost, 0, 1] = table.force[node], table.area[node]
     if table.centre is not None:
@@ -217,17 +218,17 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
 
 
 def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
-    """Node of the law of joined summits before the second of them touches."""
+    """Last node of the law of a joined summit before the second of its summits touches."""
     others = np.setdiff1d(np.flatnonzero(summits.owner == row), row)
     ahead = float(summits.height[row] - summits.height[others].max())
     return int(table.nodes * min(max(ahead, 0.0) / table.reach[slot], 1.0) ** 0.5)
 
 
 def _join(table: LawTable, slots: Rows, nodes: Rows, values: Array) -> None:
-    """Put the `values` (k, n, 8) found at the same `nodes` (n,) in some rows (k,), from the first
-    of these on; beyond the last the rows are scaled.
+    """Write the `values` (k, n, 8) of the nodes `nodes` (n,) into the rows `slots` (k,), from the
+    first of these nodes on. Beyond the last, rows are scaled to its values.
 
-    Of a tip that is no paraboloid the force over its own power of u is what changes slowly.
+    A tip that is no paraboloid has another power of u than p: F over that power is interpolated.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -263,8 +264,8 @@ def _join(table: LawTable, slots: Rows, nodes: Rows, values: Array) -> None:
 
 @lru_cache(maxsize=64)
 def _natural(nodes: tuple[int, ...], begin: int) -> tuple[Array, Array]:
-    """Natural cubic spline through the values at some nodes: itself and its slope at those from
-    `begin` to the last, one column per value."""
+    """Matrices from values at `nodes` to their natural cubic spline, and to its slope, at all nodes
+    from `begin` to the last."""
     from scipy.interpolate import CubicSpline
 
     line = CubicSpline(nodes, np.eye(len(nodes)), bc_type="natural")
