@@ -1,4 +1,4 @@
-"""Forecast of run times, from which the engine is chosen."""
+"""Forecast of run times, by which `solve` chooses the engine."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ if TYPE_CHECKING:
 __all__ = ["can_anchor", "cheapest", "forecast"]
 
 ANCHORS = 4
-"""Load points that are expected to be anchored."""
+"""Expected number of anchors."""
 
 MODEL_SECONDS = 0.06, 3e-5
-"""Seconds of a curve of the model: in any case, and per peak that may touch."""
+"""Seconds of a curve of the model: constant part, and part per peak that may touch."""
 
 BEM_SECONDS = 0.03, 2.0e-7, 1.3e-7
-"""Seconds of boundary elements: in any case, and per point of a map of 512 x 512, of a curve, times
-the root of the number of its loads, and of one load without a neighbor to start from."""
+"""Seconds of boundary elements: constant part; per point of a map of 512 x 512, that of a curve
+over the square root of its number of loads; that of one load without a neighbor to start from."""
 
 FREE, YIELDED = 2.0, 1.5
-"""Factors of these seconds: on a map that is not periodic, whose transforms have four times its
-points, and under a hardness, where loads take more steps and a stiffness of unloading is found."""
+"""Factors on these seconds: without periodicity, where transforms have four times the points; and
+with a hardness, where loads take more steps and the unloading stiffness is solved too."""
 
 PARTS, BESIDE = 1.5, 1.2
-"""Parts expected to be solved by boundary elements over those along a side, and seconds beside
-these and a curve of the model (models of parts, a load on the whole map), where parts tell of it.
-"""
+"""For the engine "sampled": number of parts expected to be solved by boundary elements, over the
+number of parts along a side; seconds besides these and the curve of the model (models of the parts,
+one load on the whole map)."""
 
 WORTH = 0.75
-"""Time of an engine that uses the model, over that of boundary elements, from which on it is not
-worth a try: on surfaces that the model describes badly both are spent."""
+"""An engine that uses the model is chosen if its forecast is less than this share of that of
+boundary elements: on surfaces that the model describes badly the time of both is spent."""
 
 GROWTH = 0.2
-"""Power of the number of points over 512 x 512 with which the seconds per point grow."""
+"""Seconds per point grow with this power of the number of points over 512 x 512."""
 
 
 def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict[str, float]:
@@ -68,13 +68,13 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
 
 
 def can_anchor(hm: HeightMap, plan: Plan) -> bool:
-    """Whether a few anchors are likely to do: on a map that repeats itself, none of whose waves act
-    as a law of the contacts of the others."""
+    """Whether a few anchors are likely to be enough: on random waves (`repeats_itself`) without a
+    sub-contact law."""
     return plan.sub_contact_law is None and repeats_itself(hm)
 
 
 def cheapest(seconds: dict[str, float]) -> str:
-    """The engine to take by such a forecast."""
+    """The engine to choose by the `forecast` of each."""
     name = min(seconds, key=lambda name: seconds[name])
     return name if seconds[name] < WORTH * seconds["bem"] else "bem"
 
@@ -85,5 +85,5 @@ def _curve(points: float, loads: int, dearer: float) -> float:
 
 
 def _unit(points: float) -> float:
-    """Points of a grid, each weighted by what it costs over those of 512 x 512."""
+    """Number of points of a grid, times the cost of a point over that of a grid of 512 x 512."""
     return points * float(max(1.0, points / 512**2) ** GROWTH)

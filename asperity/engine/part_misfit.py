@@ -1,4 +1,4 @@
-"""The misfit of the model on parts of a map, and what it leaves open of the whole."""
+"""Engine "sampled": misfit of the model on parts of a map, and the bounds that follow from it."""
 
 from __future__ import annotations
 
@@ -36,25 +36,25 @@ Array = NDArray[np.float64]
 FITTED = DEFAULTS.parts
 
 SAMPLED_ROWS = 4
-"""Rows of a map of which one is taken for the means of its long waves."""
+"""Every fourth row of a map is taken for the means of its long waves."""
 
 PARTS_TOGETHER = 2
-"""Parts solved before the bounds are looked at again, beyond those that carry alike; whatever
-the number of threads: results do not hang on that."""
+"""Parts solved between two checks of the bounds, after the first ones. The number does not depend
+on that of the threads, so that results do not either."""
 
 
 @dataclass(frozen=True)
 class Judged:
-    """Sets the model against boundary elements, of this error of the area."""
+    """Compares the model with boundary elements, whose error of the area is `error`."""
 
     material: HalfSpace
     error: float
     progress: Callable[[SolvedLoad], object]
 
     def __call__(self, hm: HeightMap, plan: Plan, pressures: Array, *, tell: bool = False) -> Array:
-        """Model less boundary elements: separation [m], and the logarithms of contact area, number
-        of spots and stiffness; then the separation by the model [m]. Shape (5, n), NaN where the
-        model has no answer."""
+        """Differences of the model from boundary elements at n mean pressures [Pa], shape (5, n):
+        separation [m]; logarithms of contact area, number of spots and stiffness; last the
+        separation of the model [m]. NaN where the model has no answer. `tell` reports progress."""
         scene = replace(plan, scene=(hm.without_rounding, self.material))
         model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
         true = bem_curve(
@@ -82,21 +82,33 @@ def misfit_on_parts(
     allowed: Array,
     otherwise: Callable[[NDArray[np.bool_]], object] | None,
 ) -> tuple[Array, Array, Array]:
-    """Misfit of the model at some load points, from parts of the map that carry these shares of
-    each, as many as it takes for the bounds to be well within those allowed, shape (2, 1).
+    """Misfit of the model at the n load points `at`, from parts of the map.
 
-    Returns the logarithms of load, area, number of spots and stiffness of the model over boundary
-    elements, shape (4, n); bounds of the first two, shape (2, n): their standard deviation over
-    the parts and the floor, larger where few parts carry the load, NaN where no part tells them;
-    and the floor itself, shape (2, n).
+    Parameters
+    ----------
+    shares
+        Share of the load that the model puts on each part, shape (parts, n).
+    allowed
+        Bounds of load and area to reach, shape (2, 1): parts are solved, those of the largest
+        shares first, until the bounds are well within these.
+    otherwise
+        Solves load points on the whole map, or None. It gets a mask of the load points whose floor
+        alone exceeds the bounds allowed, and runs beside the parts. If these are more than half of
+        the load points, no part is solved.
 
-    `otherwise`, if any, can tell load points otherwise, and is called beside the parts with those
-    of which the floor alone is more than is allowed; no part is solved where these are more than
-    half.
+    Returns
+    -------
+    misfit, bounds, floor
+        Logarithms of load, area, number of spots and stiffness of the model over boundary elements,
+        shape (4, n). Bounds of load and area, (2, n): standard deviation over the parts plus the
+        floor, larger where few parts carry the load, NaN where no part was solved. The floor,
+        (2, n).
 
-    A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
-    map: those that carry most. Where the `long_waves` are solved on the whole map, the parts add to
-    that what the finer ones change in the separation.
+    Notes
+    -----
+    A part gets the load that the model puts on it on the whole map, and the plan of the whole map.
+    If the `long_waves` are solved on the whole map, the parts give only the change of the
+    separation by the finer waves, which is added.
     """
     side, pressure = math.isqrt(len(shares)), model.mean_pressure[at]
     rate = model.stiffness[at] / pressure
@@ -107,7 +119,8 @@ def misfit_on_parts(
         fine = rate * (model.separation[at] - whole[-1])
         floor[0] = np.hypot(floor[0], FITTED.fine * np.nan_to_num(fine))
     over_mean = len(shares) * shares
-    # parts that carry most are loaded above the mean; long waves solved alone touch on more, too
+    # a part of large share has a mean pressure above that of the map, and long waves solved alone
+    # have more contact than the map under the same load
     local, heaviest = over_mean * pressure, FITTED.heaviest if grid is None else 1.0
     usable = (over_mean > FITTED.least_load) & (local <= heaviest * pressure[-1])
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
@@ -135,7 +148,7 @@ def misfit_on_parts(
         parallel.apart(solve, some, beside)
         _, bounds, number = _pooled(found, shares, rate, floor)
         enough = (number >= FITTED.alike) & (bounds <= FITTED.enough * allowed).all(axis=0)
-        taken[some] &= ~here[some]  # also where nothing was found
+        taken[some] &= ~here[some]  # a part is solved once, even if it gave nothing
         here = taken & ~enough
         some, beside = order[here[order].any(axis=1)][:PARTS_TOGETHER], None
     misfit, bounds, _ = _pooled(found, shares, rate, floor)
@@ -147,8 +160,9 @@ def misfit_on_parts(
 def _on_part(
     judged: Judged, part: HeightMap, plan: Plan, loads: Array, *, long_alone: bool, tell: bool
 ) -> Array:
-    """Misfit on a part at some loads [Pa] by the plan of the whole map, shape (4, n), see `Judged`;
-    of what the finer waves change in the separation, where the long ones are solved alone."""
+    """First four rows of `Judged` on a part at mean pressures [Pa], by the plan of the whole map,
+    shape (4, n). With `long_alone` the first row is the misfit of the change of the separation by
+    the finer waves."""
     level, part = part.roughness.mean, part.about_mean
     among = plan.among and plan.among.lowered(level - part.roughness.mean)
     waves = _resampled(part, plan)
@@ -165,15 +179,16 @@ def _on_part(
 
 
 def _first(parts: NDArray[np.bool_], order: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    """The first of some parts in an order, at most so many at each load point, shape (parts, n)."""
+    """The first `count` of the marked parts in the order `order`, at each load point, shape
+    (parts, n)."""
     first = np.zeros_like(parts)
     first[order] = parts[order] & (np.cumsum(parts[order], axis=0) <= count)
     return first
 
 
 def long_waves(hm: HeightMap, plan: Plan, side: int) -> HeightMap | None:
-    """The map that is solved in place of a whole one, where waves longer than about half of one of
-    `side` parts along each side hold much of the height; None where they do not."""
+    """The map that the plan solves, if waves longer than about half a part hold much of its height
+    variance; else None. There are `side` parts along each side."""
     (row, column), (ny, nx) = corner(hm, side), hm.shape
     edges = [np.arange(4 * side + 1) * n // (4 * side) for n in (ny, nx)]
     rows = ((row + np.arange(*pair, SAMPLED_ROWS)) % ny for pair in itertools.pairwise(edges[0]))
@@ -186,8 +201,11 @@ def long_waves(hm: HeightMap, plan: Plan, side: int) -> HeightMap | None:
 def _pooled(
     found: Array, shares: Array, rate: Array, floor: Array
 ) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Mean of what was found on parts, shape (parts, n, 4), separations as loads by their `rate`;
-    bounds of load and area above the floor, shape (2, n); and on how many parts."""
+    """Weighted mean over the parts of the misfit `found`, shape (parts, n, 4), as (4, n); bounds of
+    load and area, (2, n); and the number of parts that were solved, (n,).
+
+    `rate` turns separations into logarithms of the load.
+    """
     known = np.isfinite(found).all(axis=-1)
     weights = np.where(known, shares, 0.0)
     share, found = (weights / _sum(weights))[..., None], np.nan_to_num(found)
@@ -199,14 +217,15 @@ def _pooled(
 
 
 def _sum(weights: Array) -> Array:
-    """Sum over the parts, shape (n,); NaN where there is nothing."""
+    """Sum over the parts, shape (n,); NaN where it is zero."""
     total = weights.sum(axis=0)
     return np.where(total > 0.0, total, np.nan)
 
 
 def _fewness(weights: Array) -> Array:
-    """Bounds beside the scatter over parts that carry these shares of the load at some points,
-    shape (parts, n), over those of parts that carry alike; NaN where they carry too little."""
+    """Factor on the floor of the bounds by the number of parts, from their shares of the load,
+    shape (parts, n): 1 for `FITTED.alike` parts of equal share, larger for fewer or unequal ones,
+    NaN where the parts carry too little of the load."""
     total = _sum(weights)
     few = FITTED.alike * (weights**2).sum(axis=0) / total**2
     few[total < FITTED.cover / math.sqrt(len(weights))] = np.nan
@@ -214,9 +233,11 @@ def _fewness(weights: Array) -> Array:
 
 
 def corner(hm: HeightMap, side: int) -> tuple[int, int]:
-    """Row and column at which the first of `side` parts along each side begins. The edge between
-    the highest point of a map that repeats and its higher neighbor is in the middle of it: parts
-    are the same however the map is moved or mirrored."""
+    """Row and column at which the first of `side` parts along each side begins.
+
+    On a periodic map the edge between the highest point and its higher neighbor is in the middle of
+    this part, so that the parts do not change if the map is moved or mirrored.
+    """
     if not hm.periodic:
         return 0, 0
     (row, column), (ny, nx), beside = hm.roughness.summit, hm.shape, np.array([-1, 1])
@@ -227,7 +248,7 @@ def corner(hm: HeightMap, side: int) -> tuple[int, int]:
 
 
 def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
-    """One part of a map, made periodic."""
+    """Part number `place` of a map, made periodic."""
     rows, columns = (
         (first + np.arange(n * k // side, n * (k + 1) // side)) % n
         for first, n, k in zip(corner(hm, side), hm.shape, divmod(place, side), strict=True)
@@ -239,8 +260,8 @@ def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
 
 
 def _resampled(part: HeightMap, plan: Plan) -> HeightMap:
-    """The waves of a part that a plan solves, on pixels of the size of its grid."""
+    """The part with the waves and the pixel size of the grid that the plan solves."""
     law, grid = plan.sub_contact_law, plan.resampled
-    # the grid holds all waves that are kept: on it they are taken out sooner
+    # the grid of the plan holds all waves that are kept: filtering there is faster
     moved = part if grid is None else resample(part, grid.hm.spacing)
     return moved if law is None else bandpass(moved, law.shortest, None)

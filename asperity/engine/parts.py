@@ -1,7 +1,8 @@
-"""The curve of the model on a large map of random waves, checked on parts of it.
+"""Engine "sampled": the curve of the model on a large map of random waves, checked on its parts.
 
-What the model leaves out is a matter of neighbors, and repeats itself over a random surface: some
-parts tell it, at a fraction of the cost. The longest waves, which no part holds, are few.
+The errors of the model come from neighboring contacts, and are statistically alike all over a
+random surface: some parts show them at a fraction of the cost of the whole map. The longest waves,
+which no part holds, are solved on a coarse grid of the whole map if they matter.
 """
 
 from __future__ import annotations
@@ -46,20 +47,25 @@ FITTED = DEFAULTS.parts
 
 
 def repeats_itself(hm: HeightMap) -> bool:
-    """Whether contacts anywhere and at any load are alike: those of random waves without a long
-    lay, whose misfit is that of few places and varies slowly with the load."""
+    """Whether a map consists of random waves without a long lay: its contacts are statistically
+    alike, so that the misfit is that of a few places and changes slowly with the load."""
     doubts = model_warnings(hm, FITTED.longest_lay)
     return not doubts and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
 
 
 def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accuracy) -> bool:
-    """Whether parts of a map can tell of the whole of it as accurately as asked.
+    """Whether the misfit on parts of a map bounds that of the whole map as closely as asked.
 
-    Not where the waves that act as a law hold much of the height: light contacts are then extremes
-    of the whole map. Nor with a hardness: the load then follows single summits, and the part on
-    which the highest one stands need not be the one on which the model sees it. Nor on a graded
-    body, whose parts misjudge how far the whole sinks; nor where contacts are as long as parts, or
-    where parts hold too few of the long waves and the map of these costs more than they do.
+    It does not
+
+    - with a hardness: the load then depends on single summits, and the model may find the highest
+      one on another part than boundary elements;
+    - on a graded body: parts misjudge the mean displacement of the whole;
+    - if the waves of a sub-contact law hold much of the height: light contacts are then extremes of
+      the whole map;
+    - if the accuracy asked for is near the floor of the bounds, the map is small, or its waves are
+      not random;
+    - if long waves have to be solved on the whole map, and that costs more than the parts.
     """
     law = plan.sub_contact_law
     if material.hardness < math.inf or material.m != 0.0:
@@ -93,9 +99,9 @@ def sampled(
     kind, values
         "pressure" or "separation", and the load points asked for, shape (n,).
     judge
-        Boundary elements on the whole map, for load points where the parts leave more open than
-        asked, and for all if these are many. None: they keep their bounds, NaN where no part tells
-        anything.
+        Boundary elements on the whole map. They solve the load points whose bounds from the parts
+        exceed those asked for, or all if these are more than half. None: all load points keep the
+        bounds from the parts, NaN where no part was solved.
     progress
         Called with every load point that boundary elements have solved on the part that carries
         most of the lightest load.
@@ -113,7 +119,7 @@ def sampled(
     error = FITTED.judge_share * accuracy.area
     judged = Judged(run.decomposition.material, error, progress)
     among, solved_map = run.decomposition.law_factory.shares, run.decomposition.solved
-    # contacts that carry so much of a part carry less of the whole: no more is done for them
+    # load shares of contacts are those of the whole map, on which the parts get their laws
     lower = solved_map.roughness.mean - hm.roughness.mean
     plan = replace(plan, among=among and among.lowered(lower))
     shares = _load_shares(run, parts_along(hm, plan.solved(hm)))[:, at]
@@ -128,13 +134,13 @@ def sampled(
     )
     bounds[1] += error
     if judge is not None:
-        left = ~_within(bounds, grain[nodes], allowed)  # where no part tells anything it is NaN
-        if 2 * np.count_nonzero(left) > len(nodes):  # then the others are not to be trusted either
+        left = ~_within(bounds, grain[nodes], allowed)  # also where no part was solved: NaN
+        if 2 * np.count_nonzero(left) > len(nodes):  # the parts are no sample of this map
             bounds[:] = np.nan
         else:
             on_whole(left & ~np.isin(at, list(solved)))
             misfit[:, left] = misfit_at(model, kind, at[left], solved)
-            # what parts leave open at best stays between loads that are solved on the whole map
+            # the floor stays, for the loads between those that are solved on the whole map
             bounds[:, left] = np.maximum(bounds_at(at[left], solved), floor[:, left])
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[nodes], misfit[:2].T)
@@ -152,13 +158,13 @@ def sampled(
 
 
 def _within(bounds: Array, grain: Array, allowed: Array) -> NDArray[np.bool_]:
-    """Load points at which bounds of load and area, shape (2, n), are within those allowed, (2, 1),
-    the scatter of pixels counted in."""
+    """Whether the bounds of load and area, shape (2, n), are within those allowed, (2, 1), with the
+    pixel scatter `grain` of the area added."""
     return np.asarray((bounds[0] <= allowed[0]) & (bounds[1] + grain <= allowed[1]))
 
 
 def parts_along(hm: HeightMap, solved: HeightMap) -> int:
-    """Parts along each side of a map, of which the model solves that on another grid."""
+    """Number of parts along each side of a map; `solved` is the map on the grid of the plan."""
     most = min(hm.shape) // FITTED.points, min(solved.shape) // FITTED.grid_points
     return max(FITTED.side, min(most))
 
@@ -177,8 +183,9 @@ def _load_shares(run: ContactRun, side: int) -> Array:
 
 
 def _bend(position: Array, nodes: Array, values: Array) -> Array:
-    """Error of linear interpolation between nodes, shape (2, n): that of parabolas through three of
-    them; zero where too few have values, shape (nodes, 2)."""
+    """Error of linear interpolation at `position` between `nodes`, shape (2, n), estimated by the
+    parabola through three nodes: |f''|/2 (x - a)(b - x). Zero where fewer than three nodes have
+    `values`, shape (nodes, 2)."""
     if len(nodes) < 3:
         return np.zeros((2, len(position)))
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -1,4 +1,4 @@
-"""What the pixels of a map leave open, whatever is solved on them."""
+"""Resolution: the uncertainty by the pixels of a map, however exactly its grid is solved."""
 
 from __future__ import annotations
 
@@ -35,26 +35,26 @@ __all__ = [
 Array = NDArray[np.float64]
 
 NARROW = 3.0
-"""Width of a contact [pixels], four times its area over its perimeter, below which its area and its
-load depend on the grid: discs of ten pixels, and ridges of one pixel, however long."""
+"""Width of a contact [pixels], four times its area over its perimeter, below which it is narrow:
+its area and load depend on the grid. Discs of ten pixels are narrow, and ridges of one pixel."""
 
 DOUBTFUL = 0.5
-"""Share of the contact area in narrow contacts from which on finer grids are solved."""
+"""Least share of the contact area in narrow contacts for which a finer grid is solved."""
 
 TILE = 512
-"""Points along the sides of the part of a map, about its highest point, that stands for it."""
+"""Points along the sides of the part of a larger map, about its highest point, that is refined."""
 
 SAFETY = 1.5
-"""Uncertainty stated over the largest difference that was found."""
+"""Stated uncertainty over the largest difference between both grids."""
 
 FLOOR = 0.02, 0.05
-"""Least uncertainty of load and area that is stated."""
+"""Least stated uncertainty of load and area."""
 
 LARGE = 0.05, 0.15
-"""Uncertainty of load and area that is warned of."""
+"""Uncertainty of load and area above which a warning is given."""
 
 ACCURACY = 0.05
-"""Accuracy in area of the solutions that are compared."""
+"""Accuracy in area of the solutions on both grids."""
 
 CURE = (
     "the pixels of the map leave {} open: take out the waves below a length that matters "
@@ -64,17 +64,17 @@ CURE = (
 
 @dataclass(frozen=True)
 class Resolution:
-    """Uncertainty that stays however exactly the map is solved.
+    """Uncertainty by the pixels of a map, however exactly its grid is solved.
 
     Attributes
     ----------
     load, area
         Relative uncertainty of the load at equal separation and of the area at equal load [-]; NaN
-        if a finer grid would be needed to tell, and does not fit into memory or is not solved.
+        if a finer grid would be needed, but does not fit into memory or does not converge.
     told_by
-        One sentence.
+        How it was found, in one sentence.
     warnings
-        What to do about it, where it is large.
+        What to do, if it is large.
     """
 
     load: float
@@ -84,12 +84,14 @@ class Resolution:
 
 
 UNTOLD = Resolution(float("nan"), float("nan"), "nothing was solved by boundary elements")
-"""Of a curve that nothing verifies."""
+"""Resolution of a curve without boundary elements."""
 
 
 class LightestLoad:
-    """Keeps the lightest load point that boundary elements solve; calls `progress` with each, one
-    at a time, from whatever thread."""
+    """Progress function of boundary elements that keeps the lightest load point under load.
+
+    Calls `progress` with every point; calls from several threads follow each other.
+    """
 
     def __init__(self, progress: Callable[[SolvedLoad], object] | None = None) -> None:
         self.progress = progress
@@ -106,7 +108,7 @@ class LightestLoad:
 
 
 def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
-    """Share of the contact area in narrow patches; pixels of a patch meet at their edges."""
+    """Share of the contact area in narrow (`NARROW`) contacts; their pixels meet at edges."""
     labels, _ = label_patches(contact, periodic=periodic, corners=False)
     pixels = np.bincount(labels[contact])
     perimeter = np.zeros_like(pixels)
@@ -121,11 +123,10 @@ def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
 def resolution(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, lightest: LightestLoad, heaviest: float
 ) -> Resolution:
-    """What the pixels leave open of a curve from its lightest load point to its heaviest mean
-    pressure [Pa], by some of its loads on a grid twice as fine.
+    """Resolution of a curve from its `lightest` load point to its `heaviest` mean pressure [Pa].
 
-    Where the waves of a map end well above its pixels, and contacts hold many of them, no finer
-    grid is needed to know that it would tell the same.
+    One or two of its loads are solved on a grid twice as fine. No finer grid is solved if the
+    waves of the map end well above its pixels and few contacts are narrow: the `FLOOR` is stated.
     """
     point = lightest.point
     if point is None:
@@ -140,10 +141,11 @@ def resolution(
     finer = resample(part, np.asarray(part.spacing) / 2)
     if not fits(finer.shape, boundary, 1):
         return _unknown(f"{held}, and a finer grid does not fit into memory")
-    # the heaviest takes longest and differs least (docs/development/verification.md)
+    # the heaviest load is left out: it takes longest and differs least
+    # (docs/development/verification.md)
     middle = math.sqrt(point.mean_pressure * max(heaviest, point.mean_pressure))
     loads = np.unique([point.mean_pressure, middle])
-    loads = np.minimum(loads, material.hardness)  # which those found may exceed by rounding
+    loads = np.minimum(loads, material.hardness)  # by rounding a solved load may exceed it
     load, area = np.maximum(FLOOR, _apart(part, finer, material, boundary, loads)).tolist()
     if math.isnan(load + area):
         return _unknown(f"{held}, and a load on a grid twice as fine did not converge")
@@ -156,18 +158,19 @@ def resolution(
 
 
 def _unknown(told_by: str) -> Resolution:
-    """What a finer grid would tell that is not solved."""
+    """Resolution where a finer grid was needed and not solved."""
     return Resolution(np.nan, np.nan, told_by, (CURE.format("an unknown part"),))
 
 
 def _apart(
     hm: HeightMap, finer: HeightMap, material: HalfSpace, boundary: Boundary, pressures: Array
 ) -> tuple[float, float]:
-    """Uncertainty of load and area by some loads of a map and of the same on a finer grid."""
+    """Uncertainty of load and area: `SAFETY` times the largest difference between a map and the
+    same map on a finer grid, over the mean pressures [Pa]."""
 
     def solved(scene: tuple[HeightMap, float]) -> Array:
-        """Separation, logarithm of the contact area, and stiffness over load: zero in full contact,
-        where no load changes the separation; NaN if not converged."""
+        """Separation, logarithm of the contact area, and stiffness over mean pressure, which is set
+        to zero in full contact, where it is infinite; NaN if not converged."""
         grid, pressure = scene
         curve = bem_curve(grid, material, pressures=pressure, accuracy=ACCURACY, boundary=boundary)
         stiffness = np.where(np.isinf(curve.stiffness), 0.0, curve.stiffness)
@@ -183,7 +186,7 @@ def _apart(
 
 
 def representative_part(hm: HeightMap) -> HeightMap:
-    """The map, or of a large one the part about its highest point, faded to a period."""
+    """The map itself, or the part of a large map about its highest point; tapered if periodic."""
     if max(hm.shape) <= TILE:
         return hm
     start = [

@@ -1,4 +1,4 @@
-"""`asperity.solve`: the contact curve by the engine that gives it soonest, verified."""
+"""`asperity.solve`: the contact curve by the engine that is expected to be fastest, verified."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ __all__ = ["ENGINES", "solve"]
 Array = NDArray[np.float64]
 
 ENGINES = ("auto", "bem", "anchored", "sampled")
-"""What `solve` can be told to use, the default first."""
+"""Values of the argument `engine`, the default first."""
 
 WAYS = {
     "bem": "of boundary elements",
     "anchored": "of the model anchored at a few loads",
     "sampled": "of the model checked on parts of the map",
 }
-"""How the engines are told apart in the reason of a choice."""
+"""Descriptions of the engines in the reason of a choice."""
 
 ACCURACIES = 0.004, 0.1
 """Least and largest accuracy in load that can be asked for."""
@@ -72,10 +72,10 @@ def solve(
 ) -> ContactCurve:
     """Load, separation and real contact area, as accurate as asked for, by the cheaper engine.
 
-    Either boundary elements solve every load point, or the microcontact model gives the curve and
-    boundary elements anchor it at a few of its loads or, on large maps of random waves, check it on
-    parts of the map. Which one is decided from the map, the loads and a measured model of run
-    times.
+    There are three engines: boundary elements solve every load point ("bem"); the microcontact
+    model gives the curve, and boundary elements anchor it at a few loads ("anchored") or, on large
+    maps of random waves, check it on parts of the map ("sampled"). A forecast of run times from the
+    map and the loads decides between them.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def solve(
         "auto" anchors the model as far as the accuracy asks for. False leaves boundary elements
         out: the model answers with its a-priori estimate, which is no bound.
     engine
-        "auto" chooses; "bem", "anchored" or "sampled" settles it.
+        "auto" chooses by the forecast; "bem", "anchored" or "sampled" is used if given.
     boundary
         "periodic" or "free"; as the map says if None.
     progress
@@ -108,8 +108,9 @@ def solve(
     ContactCurve
         One row per load point, in the order asked. `error_estimate` and
         `extra["area_error_estimate"]` are bounds on the distance from the exact solution on the
-        grid of the map; `settings["engine"]` names the engine, and `verification` tells reasons,
-        anchors and what the pixels of the map leave open beside that (`resolution_uncertainty`).
+        grid of the map. `settings["engine"]` names the engine; `verification` holds the reason for
+        it, the anchors, and the uncertainty by the pixels of the map (`resolution_uncertainty`),
+        which comes on top of the bounds.
 
     Raises
     ------
@@ -120,9 +121,9 @@ def solve(
 
     Notes
     -----
-    The bound is an empirical one where the model answers (docs/development/verification.md), and
-    follows from the certificate where boundary elements do (`bem_curve`). Where these do not fit
-    into memory, the model answers as without verification, and says so.
+    The bound is empirical where the model answers (docs/development/verification.md); where
+    boundary elements answer it follows from their certificate (`bem_curve`). If these do not fit
+    into memory, the model answers as with `verify=False`, and the reason says so.
 
     Examples
     --------
@@ -147,7 +148,7 @@ def solve(
         raise InputError(f"engine is {engine!r}, which verifies; leave out verify=False")
     require_function("judge", judge)
     kind, given = checked_loads(hm, material, pressures, separations)
-    values, place = np.unique(given, return_inverse=True)  # of one load there is one answer
+    values, place = np.unique(given, return_inverse=True)  # equal loads are solved once
     with reported(progress, None, "boundary elements") as tell:
         scene = _Scene(
             hm,
@@ -201,7 +202,8 @@ def solve(
 
 
 class _Choice(NamedTuple):
-    """Engine, one of `ENGINES` or "model", why, and the plan of the model if one was made."""
+    """Engine ("bem", "anchored", "sampled", or "model" without verification), the reason for it,
+    and the plan of the model if one was made."""
 
     engine: str
     reason: str
@@ -215,7 +217,7 @@ class _Clock:
         self.last, self.seconds = begun, dict[str, float]()
 
     def stage(self, name: str) -> None:
-        """What went by since the last stage."""
+        """Record the time since the last stage under this name."""
         now = time.perf_counter()
         self.seconds[name] = now - self.last
         self.last = now
@@ -223,7 +225,8 @@ class _Clock:
 
 @dataclass(frozen=True)
 class _Scene:
-    """Map, material, kind of load points and boundary, and what solves them."""
+    """Map, material, kind of load points and boundary; `judge` solves them by boundary elements,
+    and `lightest` keeps the lightest point that it solved."""
 
     hm: HeightMap
     material: HalfSpace
@@ -233,11 +236,11 @@ class _Scene:
     lightest: LightestLoad
 
     def loads(self, values: Array) -> dict[str, Any]:
-        """Load points by the name of their argument."""
+        """Load points as a keyword argument: `pressures` or `separations`."""
         return {f"{self.kind}s": values}
 
     def choice(self, values: Array, engine: str, verify: bool, asked: Accuracy) -> _Choice:
-        """The engine, from the forecast of run times."""
+        """The engine for these load points, and why."""
         if engine == "bem":
             return _Choice("bem", "as asked", None)
         least = DEFAULTS.anchors.least_loads
@@ -276,13 +279,14 @@ class _Scene:
         return fits(self.hm.shape, self.boundary, 1)
 
     def model(self, plan: Plan, values: Array) -> ContactRun:
-        """What the microcontact model finds."""
+        """The run of the microcontact model."""
         return solve_contacts(self.hm, self.material, plan, **self.loads(values))
 
     def checked(
         self, choice: _Choice, run: ContactRun, values: Array, asked: Accuracy
     ) -> ContactCurve | None:
-        """The curve of the model, corrected and bounded as chosen; None where that is of no use."""
+        """The curve of the model, corrected and bounded by the chosen engine; None if a few anchors
+        cannot suffice."""
         scene = self.kind, values
 
         def judge(at: Array, share: float) -> ContactCurve:
@@ -308,7 +312,7 @@ class _Scene:
         return _marked(found, True)
 
     def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
-        """What the pixels leave open of a curve."""
+        """Resolution of a curve (`engine.resolution`)."""
         pressure = curve.mean_pressure
         if self.lightest.point is None and (pressure > 0.0).any():  # all were solved before
             if not self.fits:
@@ -320,12 +324,12 @@ class _Scene:
 
 
 def _marked(curve: ContactCurve, anchor: bool) -> ContactCurve:
-    """A curve of which all or no load points are solved by boundary elements."""
+    """The curve with the column `anchor`: whether boundary elements solved its load points."""
     return replace(curve, extra={**curve.extra, "anchor": np.full(len(curve), anchor)})
 
 
 def _met(curve: ContactCurve, asked: Accuracy) -> bool:
-    """Whether all bounds are within the accuracy."""
+    """Whether all load points converged with bounds within the accuracy asked for."""
     area = curve.extra["area_error_estimate"]
     inside = (curve.error_estimate <= asked.load) & (area <= asked.area)
     return bool(np.all(inside & curve.converged))
