@@ -114,7 +114,7 @@ def sampled(
     model = run.curve
     points = answered(model)
     nodes = np.unique(np.linspace(0, len(points) - 1, FITTED.loads).astype(np.int64))
-    at, grain = points[nodes], pixel_scatter(hm, model)[points]
+    at, scatter = points[nodes], pixel_scatter(hm, model)[points]
     allowed = np.array([[accuracy.load], [accuracy.area]])
     error = FITTED.judge_share * accuracy.area
     judged = Judged(run.decomposition.material, error, progress)
@@ -134,7 +134,7 @@ def sampled(
     )
     bounds[1] += error
     if judge is not None:
-        left = ~_within(bounds, grain[nodes], allowed)  # also where no part was solved: NaN
+        left = ~_within(bounds, scatter[nodes], allowed)  # also where no part was solved: NaN
         if 2 * np.count_nonzero(left) > len(nodes):  # the parts are no sample of this map
             bounds[:] = np.nan
         else:
@@ -150,17 +150,17 @@ def sampled(
     )
     bounds += bend
     if judge is not None:
-        met = points[_within(bounds, grain, allowed)]
+        met = points[_within(bounds, scatter, allowed)]
         rest = np.setdiff1d(np.arange(len(model)), [*met, *solved])
         solved |= solved_points(judge, values, rest, 1.0)
-    bounds[1] += grain
+    bounds[1] += scatter
     return corrected(hm, model, kind, points, np.nan_to_num(misfit), bounds, solved)
 
 
-def _within(bounds: Array, grain: Array, allowed: Array) -> NDArray[np.bool_]:
+def _within(bounds: Array, scatter: Array, allowed: Array) -> NDArray[np.bool_]:
     """Whether the bounds of load and area, shape (2, n), are within those allowed, (2, 1), with the
-    pixel scatter `grain` of the area added."""
-    return np.asarray((bounds[0] <= allowed[0]) & (bounds[1] + grain <= allowed[1]))
+    `pixel_scatter` of the area added."""
+    return np.asarray((bounds[0] <= allowed[0]) & (bounds[1] + scatter <= allowed[1]))
 
 
 def parts_along(hm: HeightMap, solved: HeightMap) -> int:

@@ -1,13 +1,12 @@
-"""How far the microcontact model can be trusted at a load point, without boundary elements.
+"""Error estimate of the microcontact model at a load point, made without boundary elements.
 
-The estimate is a sum of terms, each of which grows with one known limit of the model; their
-weights are quantiles fitted on synthetic surfaces of several families (``benchmarks/accuracy.py``,
-``benchmarks/calibrate_estimate.py``) and checked on others: see ``docs/development/fits.md``.
+The estimate is a weighted sum of terms, each of which grows with one known limit of the model
+(`terms`). The weights are quantiles fitted on synthetic surfaces of several families
+(``benchmarks/accuracy.py``, ``benchmarks/calibrate_estimate.py``) and checked on others: see
+``docs/development/fits.md``.
 
-Contacts that no law describes, which those surfaces hardly have, add terms of their own
-(`outside_model_terms`). A law presses a summit that falls away on all sides. Where the highest
-points of a basin have one height, contact begins on all of them; where the border cuts a contact,
-there is no other side.
+Those surfaces have hardly any contacts outside the model: flat tops, ridges of one height, contacts
+cut by the border. These add terms of their own (`outside_model_terms`).
 """
 
 from __future__ import annotations
@@ -50,43 +49,48 @@ TERMS = (
     "long_crowding",
     "few_crowded",
 )
-"""Names of the terms, see `terms`; their weights are those of `parameters.ErrorEstimate`."""
+"""Names of the terms of `terms`, in the order of the weights in `parameters.ErrorEstimate`."""
 
 CALIBRATED = "auto", "ellipse"
-"""Laws of which the weights tell; by others, the area is up to three times too large."""
+"""Laws for which the weights were fitted; with others the area is up to three times too large."""
 
 
 OUTSIDE_MODEL = "flat_tops", "at_border", "unsure", "unresolved", "overshoot"
-"""Names of the terms; their weights are those of `parameters.ErrorEstimate`."""
+"""Names of the terms of `outside_model_terms`, and of their weights in `parameters.ErrorEstimate`.
+"""
 
 
 def terms(
     decomposition: Decomposition, state: PopulationState, nonrandom: float
 ) -> dict[str, float]:
-    """Terms of the error estimate at a load point, each from 0; `nonrandom` is `nonrandomness`.
+    """Terms of the error estimate at a load point, zero or more; `nonrandom` is `nonrandomness`.
+
+    With the load shares w_i of the contacts, sum w_i = 1, two measures occur in several terms:
+    few = sqrt(sum w_i^2), one over the square root of the effective number of contacts, and
+    long = sum w_i ln(k1_i/k2_i), the mean logarithm of the ratio of the summits' curvatures.
 
     Returns
     -------
     coarse_contacts
-        One over the root of the number of pixels in the load-weighted mean contact: summits that
-        the grid does not resolve.
+        One over sqrt(number of pixels in the load-weighted mean contact): summits that the grid
+        does not resolve.
     scatter
-        Root of the sum of squared load shares of the contacts that have outgrown the expansion of
-        their law: errors of few of them do not average out.
+        sqrt(sum w_i^2) over the contacts that have outgrown the expansion of their law: the errors
+        of few such contacts do not average out.
     odd_spread
-        Oddness times the difference between the orders of the contact law, weighted by load.
+        Nonrandomness times the mean expected error of the laws (`LawTable.spread`), weighted by
+        load.
     few_taken_out, coarse_taken_out
-        Share of the squared slope in waves that act as a law, times the root of the sum of squared
-        load shares of all contacts (one over the root of their effective number) and times
+        Share of the squared slope in the waves of the sub-contact law, times few, and times
         `coarse_contacts`.
     few_elongated
-        Logarithm of the ratio of a summit's curvatures, weighted by load, times that root.
+        few times long.
     crowding
         Contact area over nominal area.
     long_crowding
-        That logarithm times `crowding`.
+        long times `crowding`.
     few_crowded
-        That root times the root of `crowding`: few hills whose basins fill.
+        few times sqrt(`crowding`): few hills whose basins fill.
     """
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
@@ -94,7 +98,7 @@ def terms(
     share = state.force[closed] / state.force.sum()
     table, depth = decomposition.population.table, state.approach[closed]
     outgrown = (table.flags_at(closed, depth) & Flag.BEYOND_RADIUS) > 0
-    # with fine waves taken out, the contacts are those of the map that was solved
+    # with a sub-contact law the contacts are those of the coarser grid
     law = decomposition.plan.sub_contact_law
     hm = decomposition.solved if law else decomposition.hm
     pixel = hm.area / math.prod(hm.shape)
@@ -120,8 +124,9 @@ def terms(
 
 
 def nonrandomness(hm: HeightMap) -> float:
-    """How far a map is from random waves: 0 where the kurtosis of its second differences is 3, 1
-    from 4 on, as for spikes, worn plateaus, steps and fading borders."""
+    """Distance of a map from random waves: ln(K/3)/ln(4/3), between 0 and 1, of the kurtosis K of
+    its second differences. K is 3 for random waves, and above 4 for spikes, worn plateaus, steps
+    and fading borders."""
     return float(
         np.clip(np.log(np.mean(hm.roughness.kurtosis) / 3.0) / np.log(4.0 / 3.0), 0.0, 1.0)
     )
@@ -132,38 +137,38 @@ def estimate(
     weights: tuple[float, ...],
     fitted: ErrorEstimate = DEFAULTS.error_estimate,
 ) -> float:
-    """Weighted sum of the terms: the bound that nine errors in ten keep."""
+    """Error estimate: weighted sum of the terms, which nine in ten errors do not exceed."""
     inside = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
     outside = sum(getattr(fitted, name) * values.get(name, 0.0) for name in OUTSIDE_MODEL)
     return float(inside + outside)
 
 
 def yielded_factor(plastic_share: Array, fitted: ErrorEstimate = DEFAULTS.error_estimate) -> Array:
-    """Factor of the area's estimate where this share of the contact area is at the hardness."""
+    """Factor on the estimate of the area where this share of the area bears the hardness."""
     slope, least = fitted.yielded
     return np.asarray(np.clip(slope * (1.0 - plastic_share), least, 1.0))
 
 
 def outside_model_terms(decomposition: Decomposition, state: PopulationState) -> dict[str, float]:
-    """Load on contacts that no law describes or no grid, at one load point; each term from 0.
+    """Terms of contacts outside the model or not resolved by the map, zero or more.
 
     Returns
     -------
     flat_tops
-        Share of the load on flat tops and ridges: of each contact as much as the top is of it; less
-        the larger the part of these tops that is pressed alone.
+        Share of the load on flat tops and ridges: that of each contact times the part of its area
+        that is a flat top. The term is smaller if these tops are pressed alone.
     at_border
-        Square of the share on contacts that the border of a finite punch cuts, as far as it does:
-        a few among many do no harm, all of them leave little to trust.
+        Square of the share of the load on contacts that the border of a finite punch cuts, each by
+        the part of its radius that is cut off: a few cut contacts among many do little harm.
     unsure
-        Square of the share on contacts whose law expects an error of `unsure_error` and more of
-        itself.
+        Square of the share of the load on contacts whose law expects an error of `unsure_error` or
+        more.
     unresolved
-        One over the number of pixels of the contacts, less that of `resolved_pixels`, weighted by
-        load; of the smaller pixels where a map whose waves reach the pixel is solved on those.
+        1/n - 1/`resolved_pixels`, zero or more, weighted by load, for contacts of n pixels; pixels
+        of the finer of both grids if the map is solved on another one.
     overshoot
-        How far summits stand above their highest pixels, over the approach and weighted by load,
-        less `usual_overshoot`: the map does not tell where spikes, cliffs and sharp edges end.
+        Height of summits above their highest pixels, over the approach and weighted by load, less
+        `usual_overshoot`: the map does not tell where spikes, cliffs and sharp edges end.
     """
     bounds = decomposition.plan.parameters.error_estimate
     closed = np.flatnonzero(state.force > 0)
@@ -184,7 +189,7 @@ def outside_model_terms(decomposition: Decomposition, state: PopulationState) ->
     if decomposition.plan.boundary == "free":
         places = (at[closed] for at in decomposition.places)
         sides = [
-            np.minimum(at, size - at) - 0.5 * step  # from the outermost points
+            np.minimum(at, size - at) - 0.5 * step  # distance to the outermost points of the map
             for at, size, step in zip(
                 places, decomposition.hm.size, decomposition.hm.spacing, strict=True
             )

@@ -39,7 +39,8 @@ Solved = dict[int, ContactCurve]
 """Curves of one load point each, by its number."""
 
 Judge = Callable[[Array, float], ContactCurve]
-"""Solves load points by boundary elements, within a share of the accuracy asked for."""
+"""Function of load points and of a share of the accuracy asked for: solves these points by boundary
+elements within that share."""
 
 FITTED = DEFAULTS.anchors
 
@@ -47,14 +48,14 @@ PRIOR_SHARE = np.array([FITTED.prior_share]).T
 YIELDED_SHARE = np.array([FITTED.yielded_share]).T
 
 LOADS_PER_ANCHOR = 4
-"""Load points beside each other that boundary elements solve in the time of one anchor, which they
-solve closer and without a neighbor to start from."""
+"""Number of successive load points that boundary elements solve in the time of one anchor: an
+anchor is solved more accurately, and without a neighbor to start from."""
 
 YIELDED_COLUMNS = "plastic_share", "unloading_stiffness"
-"""Columns of a curve with a hardness, which boundary elements correct too."""
+"""Columns of a curve with a hardness that are corrected too."""
 
 CORRECTED = "mean_pressure", "separation", "contact_area", "contacts", "stiffness", "residual"
-"""Columns of the model that boundary elements correct."""
+"""Columns of the model that are corrected by the misfit at the anchors."""
 
 KEPT = "law", "boundary", "modulus", "m", "hardness", "input", "map", "pressure_scale", "warnings"
 """Settings of the model that a verified curve keeps."""
@@ -76,14 +77,14 @@ class Accuracy:
     area: float = 0.1
 
     def times(self, share: float) -> tuple[float, float]:
-        """A share of the errors of load and area."""
+        """The errors of load and area times `share`."""
         return share * self.load, share * self.area
 
 
 def anchored(
     hm: HeightMap, material: HalfSpace, model: ContactCurve, engine: Callable[..., ContactCurve]
 ) -> ContactCurve:
-    """The curve of the model as `verified` by an engine such as `bem_curve`."""
+    """`verified` with the default accuracy, by boundary elements such as `bem_curve`."""
     ((name, values),) = model.asked.items()
     kind = name.removeprefix("asked_")
     begun = time.perf_counter()
@@ -104,17 +105,20 @@ def verified(
 ) -> ContactCurve:
     """Anchor a curve of the model, of n load points, until its bounds are within the accuracy.
 
-    Asked for were `values` (n,) of a kind, "pressure" or "separation". `error_estimate` and
-    `extra["area_error_estimate"]` of the curve found are bounds; `extra["anchor"]` marks the points
-    that boundary elements on the grid of the map, the `judge`, solved.
+    `kind` is "pressure" or "separation", and `values` (n,) are the load points asked for. `judge`
+    solves load points by boundary elements on the grid of the map. In the curve returned,
+    `error_estimate` and `extra["area_error_estimate"]` are bounds, and `extra["anchor"]` marks the
+    points that the judge solved.
 
     Notes
     -----
-    At the anchors the model is off by d in the logarithm of the load at equal separation and by a
-    in that of the area at equal load. Both vary slowly with the load. Interpolated in its logarithm
-    they correct the points between: s = s_model - d/k with k = -d ln F/ds, A = A_model exp(-a)
-    (docs/development/verification.md). Points where the model has no answer are solved by boundary
-    elements; where they solve all, no closer than asked.
+    At an anchor the model is off by d in the logarithm of the load at equal separation, and by a in
+    the logarithm of the area at equal load. Both vary slowly with the load, and are interpolated
+    over its logarithm to correct the points between the anchors: s = s_model - d/k with
+    k = -d ln F/ds, and A = A_model exp(-a) (docs/development/verification.md). Where the bounds
+    exceed the accuracy, anchors are added. Boundary elements also solve the points where the model
+    has no answer. If they solve all points, they do so to the accuracy asked for, not to a part of
+    it.
     """
     points = answered(model)
     others = np.setdiff1d(np.arange(len(model)), points)
@@ -123,7 +127,7 @@ def verified(
     position = np.log(model.mean_pressure[points])
     prior, plastic = _prior_estimates(model, points)
     first = FITTED.first[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
-    grain = pixel_scatter(hm, model)[points]
+    scatter = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
     solved = solved_points(judge, values, others, 1.0)
     while True:
@@ -137,7 +141,7 @@ def verified(
         area, area_bound = interpolated_misfit(position, anchors, known[1], floors[1])
         known_bounds = bounds_at(points[anchors], solved)
         rest = np.array([np.interp(position, position[anchors], row) for row in known_bounds])
-        bounds = np.array([load_bound, area_bound + grain]) + rest
+        bounds = np.array([load_bound, area_bound + scatter]) + rest
         over = np.maximum(bounds[0] / accuracy.load, bounds[1] / accuracy.area)
         over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
         if len(anchors) == count or over.max() <= 1.0:
@@ -150,7 +154,7 @@ def verified(
 
 
 def answered(model: ContactCurve) -> Indices:
-    """Load points at which the model has an answer, by rising load."""
+    """Indices of the load points at which the model has an answer, in the order of the load."""
     points = np.flatnonzero(
         model.converged
         & (model.mean_pressure > 0)
@@ -161,10 +165,10 @@ def answered(model: ContactCurve) -> Indices:
 
 
 def pixel_scatter(hm: HeightMap, model: ContactCurve) -> Array:
-    """Relative scatter of an area counted in pixels, which the model does not share, shape (n,).
+    """Relative scatter of the area of boundary elements, which count it in pixels, shape (n,).
 
-    The number of pixels in a disc of radius R pixels scatters by about the root of R about its
-    area. Over n spots that hold N pixels this is the root of n R, with N = n pi R^2.
+    The number of pixels in a disc of radius R pixels scatters by about sqrt(R) about its area: over
+    n spots that hold N = n pi R^2 pixels, by sqrt(n R).
     """
     pixels = model.contact_area / (hm.spacing[0] * hm.spacing[1])
     scatter = (np.maximum(model.contacts, 1) * pixels / np.pi) ** 0.25
@@ -172,7 +176,7 @@ def pixel_scatter(hm: HeightMap, model: ContactCurve) -> Array:
 
 
 def solved_points(judge: Judge, values: Array, new: Indices, share: float) -> Solved:
-    """Load points solved by boundary elements, within a share of the accuracy asked for."""
+    """The load points `new`, solved by boundary elements within a share of the accuracy."""
     if not new.size:
         return {}
     curve = judge(values[new], share)
@@ -180,14 +184,16 @@ def solved_points(judge: Judge, values: Array, new: Indices, share: float) -> So
 
 
 def anchors_suffice(model: ContactCurve, accuracy: Accuracy) -> bool:
-    """Whether some anchors can bound at least half of the load points within an accuracy."""
+    """Whether a-priori estimates let anchors bound at least half of the load points within the
+    accuracy, without solving these."""
     prior, plastic = _prior_estimates(model, answered(model))
     left = prior * (PRIOR_SHARE + plastic) > np.array([[accuracy.load], [accuracy.area]])
     return bool(np.count_nonzero(left.any(axis=0)) <= len(model) // 2)
 
 
 def _prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array]:
-    """A-priori estimates of load and area, and the share of them that yielding leaves, (2, n)."""
+    """A-priori estimates of load and area, shape (2, n), and the share of them that yielding adds
+    to `PRIOR_SHARE`, (2, n)."""
     stated = model.error_estimate, model.extra["area_error_estimate"]
     prior = np.array(
         [
@@ -200,19 +206,19 @@ def _prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array
 
 
 def bounds_at(points: Indices, solved: Solved) -> Array:
-    """Bounds of load and area that boundary elements gave at some points, shape (2, k)."""
+    """Bounds of load and area of boundary elements at the `points`, shape (2, k)."""
     return np.array([_judged(solved, points, f"{of}error_estimate") for of in ("", "area_")])
 
 
 def _judged(solved: Solved, points: Indices, name: str) -> Array:
-    """A column of what boundary elements found at some points, shape (k,)."""
+    """Column `name` of boundary elements at the `points`, shape (k,)."""
     curves = [solved[i] for i in points.tolist()]
     return np.array([float({**vars(one), **one.extra}[name][0]) for one in curves])
 
 
 def misfit_at(model: ContactCurve, kind: str, points: Indices, solved: Solved) -> Array:
-    """Logarithms of model over boundary elements: of the load at equal separation, of area, number
-    of spots and stiffness at equal load, and with a hardness of `YIELDED_COLUMNS`, (4 or 6, k)."""
+    """Logarithms of model over boundary elements, shape (4 or 6, k): load at equal separation;
+    area, number of spots and stiffness at equal load; with a hardness also `YIELDED_COLUMNS`."""
 
     def ratio(name: str) -> Array:
         return np.asarray(np.log(getattr(model, name)[points] / _judged(solved, points, name)))
@@ -237,7 +243,7 @@ def _rate(model: ContactCurve, points: Indices) -> Array:
 
 
 def _growth(model: ContactCurve, points: Indices) -> Array:
-    """Slope of the logarithm of the area over that of the load at some points, shape (k,)."""
+    """d ln A/d ln F of the model at the `points`, shape (k,)."""
     usable = answered(model)
     x, y = np.log(model.mean_pressure[usable]), np.log(model.contact_area[usable])
     rising = np.diff(x, prepend=-np.inf) > 1e-9
@@ -256,7 +262,8 @@ def corrected(
     bounds: Array,
     solved: Solved,
 ) -> ContactCurve:
-    """The corrected curve, with what boundary elements found at the points that they solved."""
+    """The curve of the model corrected by the `misfit` at the `points`, with the `bounds`; the
+    values of boundary elements at the points that these `solved`."""
     load, area, spots, stiffness, *beside = misfit
     settings = {name: model.settings[name] for name in KEPT if name in model.settings}
     yielded = YIELDED_COLUMNS if "hardness" in settings else ()
