@@ -28,10 +28,8 @@ _LINE = 64  # bytes of a cache line
 
 @inner()
 def prefetch_block(array, width, row, col, rows, cols):
-    """Prefetch `rows` times `cols` elements from (row, col) on of an array of that width.
-
-    Summits lie scattered over the map.
-    """
+    """Prefetch `rows` x `cols` elements from (row, col) on, of an array of rows of `width`: summits
+    lie scattered over the map, and each would wait for memory."""
     step = _LINE // array.itemsize
     for i in range(row, row + rows):
         for j in range(0, cols + step - 1, step):
@@ -108,10 +106,10 @@ def _quartic(c, y, x):
 
 @inner()
 def _newton(e):
-    """Step of Newton's method uphill, with the absolute values of the principal curvatures.
+    """Newton step uphill, with the absolute values of the principal curvatures.
 
-    Returns the step over y and x, and whether the expansion `e`, which has some curvature, is
-    concave, or level along a ridge: the curvature there is rounding, of either sign.
+    Returns the step along y and x, and whether the expansion `e` is concave. An expansion that is
+    level along a ridge, where the curvature is rounding, counts as concave.
     """
     mean, shear, cross = 0.5 * (e[3] + e[5]), 0.5 * (e[3] - e[5]), e[4]
     half = math.sqrt(shear * shear + cross * cross)

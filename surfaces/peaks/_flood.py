@@ -1,4 +1,4 @@
-"""Kernels of the segmentation: steepest ascent, plateaus, basins, and the passes between these.
+"""Kernels of the segmentation: steepest ascent, plateaus, basins, and passes between basins.
 
 The pointer map ``link`` (int32, flat) holds one number per pixel:
 
@@ -200,10 +200,11 @@ def drain_plateaus(flat, shape, periodic, link, flats):
 
 @compiled()
 def follow(link, runs):
-    """Replace the links of the pixels of all runs by the label at the end of their way up.
+    """Replace the links of all pixels of the runs by the label of the peak that they lead to.
 
-    Each pixel takes over what its target holds, forwards and then backwards through the runs: a way
-    that turns back at most once is at its end then. The few others are followed pixel by pixel.
+    Each pixel copies what its target holds, in one sweep forwards and one backwards through the
+    runs: paths that change direction at most once have reached their peak then. The few others are
+    followed pixel by pixel.
     """
     count = runs.shape[0]
     for sweep in range(3):
@@ -225,10 +226,10 @@ def follow(link, runs):
 def touching(heights, labels, periodic, counts, runs):
     """Add the pixels of each basin, and find the highest pass between touching basins, in the runs.
 
-    Adds to the `counts` (n,); returns pairs as ``low * n + high`` and their passes. A pair may
-    occur several times: those met last are held in a table where each pair has one place, and
-    leave it for the list when another pair needs that place. Pixels that may lie on an edge are
-    marked first, row by row, without a branch.
+    Adds to the `counts` (n,); returns pairs as ``low * n + high`` and their passes. A hash table
+    holds the pairs met last; a pair is moved to the list when another needs its place, so that it
+    may occur several times. Pixels that may lie on an edge are first marked row by row, without a
+    branch.
     """
     ny, nx = heights.shape
     n = counts.size
@@ -288,7 +289,7 @@ def touching(heights, labels, periodic, counts, runs):
 
 @inner()
 def _doubled(keys, passes, used):
-    """Copies of both lists, twice as long."""
+    """Copies of both lists with twice the room."""
     more_keys, more_passes = np.empty(2 * keys.size, np.int64), np.empty(2 * keys.size)
     for k in range(used):
         more_keys[k], more_passes[k] = keys[k], passes[k]
@@ -299,9 +300,10 @@ def _doubled(keys, passes, used):
 def merge(height, low, high, passes, min_prominence, top, keeper, saddle, parent):
     """Join basins over their passes, highest first.
 
-    Fills, but for the highest peak, `saddle` heights and the `parent` of each peak (its saddle's
-    higher side), and the peak that keeps each peak's basin when those below `min_prominence` are
-    pruned. At first each peak is its own `keeper`, and its own `top`, the highest of its group.
+    Kruskal's maximum spanning tree by union-find. Fills for each peak but the highest the height of
+    its `saddle`, its `parent` (the highest peak across the saddle), and its `keeper`, the peak that
+    gets its basin when peaks below `min_prominence` are pruned. At first each peak is its own
+    `keeper`, and its own `top`, the highest peak of its group.
     """
     for e in range(passes.size):
         a, b = root(top, low[e]), root(top, high[e])

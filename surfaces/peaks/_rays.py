@@ -1,7 +1,7 @@
 """Kernel of the profiles: rays from the summits to the edges of their basins.
 
-Many rays go on side by side, eight samples at once, so that the surface is evaluated at many points
-together: one point costs half as much then as on its own.
+Many rays are sampled side by side, eight samples at a time: the spline costs half as much per point
+as if it were evaluated at one point.
 """
 
 from __future__ import annotations
@@ -53,13 +53,14 @@ def _least(a, b):
 
 @inner(forceinline=True, **BORROWING)
 def _inside(value, center, n, inverse):
-    """A place moved by whole sides n so that `center` lies in the map; `inverse` is 1/n or 0."""
+    """`value` less the multiple of the side n that brings `center` into the map; `inverse` is 1/n,
+    or 0 if the map is not periodic."""
     return value - n * whole(center * inverse)
 
 
 @inner(forceinline=True, **BORROWING)
 def _along(start, way, r, n, inverse, margin):
-    """Places along an axis, kept in the map or its margin, and their nearest pixels."""
+    """Coordinates [pixels] along an axis, kept in the map or its margin, and nearest pixels."""
     value = _least(multiply_add(r, way, _splat(start)), _splat(n + margin))
     value = -_least(-value, _splat(margin))
     value = _inside(value, value, n, inverse)
@@ -102,9 +103,9 @@ def ray_places(
 def rising_nodes(zs, at, z, least, high, scale, squares, inverses, first):
     """Turn the eight heights from `at` on into f/r^2 at the nodes of a ray, from `first` on.
 
-    f is z minus the height, at least `least` times the square of the node, and never falls: `high`
-    is its value at the node before; that at the last node is returned. `scale` is one over the
-    squared length of the ray.
+    f is z minus the height, at least `least` times the square of the node, and at least `high`, its
+    value at the node before, so that it never falls. Returns f at the last node. `scale` is one
+    over the squared length of the ray.
     """
     for k in range(LANES):
         high = max(high, max(z - zs[at + k], least * squares[first + k]))
@@ -118,7 +119,8 @@ def _look(
 ):  # fmt: skip
     """Heights and pixels at `groups` times LANES of the `radii` of each ray of `live`.
 
-    The radii from `first` on, in steps; if that is 0, in shares of the length of the ray.
+    The radii are those from `first` on in steps of the ray; if `first` is 0, they are shares of the
+    length of the ray.
     """
     nodes = first == 0
     for start in range(0, live.size * groups, _CHUNK):
@@ -167,11 +169,11 @@ def _march(
 
 @inner(forceinline=True, **BORROWING)
 def _advance(ray, zs, pixels, at, labels, owner, radii, first):
-    """Take a ray on by its samples `at` of a height and a pixel, at the radii from number `first`
-    on; returns whether it goes on.
+    """Advance a ray over the samples of height and pixel from `at` on, at the radii from index
+    `first` on; returns whether it goes on.
 
-    It ends where f has fallen by the dip, at the border of the map, and with the first sample past
-    its length, which two samples in a row in another basin limit.
+    It ends where f has fallen by the dip, at the border of the map, and at the first sample beyond
+    its length. Two successive samples in another basin set its length.
     """
     for k in range(LANES):
         m, pixel, f = first + k, pixels[at + k], ray.z - zs[at + k]
@@ -195,7 +197,8 @@ def _advance(ray, zs, pixels, at, labels, owner, radii, first):
 
 @inner(forceinline=True, **BORROWING)
 def _crest(ray, radii):
-    """Where f is highest: at the vertex of the parabola through the highest of its samples."""
+    """Radius of the maximum of f: the vertex of the parabola through its highest sample and the
+    two beside it."""
     edge = radii[ray.top]
     if ray.top > 0:
         left, right = edge - radii[ray.top - 1], radii[ray.top + 1] - edge
@@ -206,7 +209,7 @@ def _crest(ray, radii):
 
 
 def scratch(rays: int, nodes: int) -> tuple[Any, tuple[Any, ...], tuple[Any, ...]]:
-    """Work space of `fit` for so many rays of a peak and nodes of a ray."""
+    """Working arrays of `fit` for `rays` rays of a peak and `nodes` nodes of a ray."""
     together, block = max(_TOGETHER, rays), _CHUNK * LANES
     numbers = (together, block, together * nodes)
     values = (block, block * TAPS, nodes, nodes, together * nodes)

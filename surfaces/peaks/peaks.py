@@ -1,7 +1,7 @@
-"""The peaks of a map and what is known of their summits before any ray is sampled.
+"""Arrays of the peaks of a map and of their summits; flat tops.
 
-Summits, basins, saddles, prominences and neighbors; and the tops of one height, of which a spline
-says nothing: it only rings on them.
+On a flat top, whose points have one height, the spline through the map only rings: such a top is
+found from the heights themselves.
 """
 
 from __future__ import annotations
@@ -28,15 +28,16 @@ __all__ = [
 
 
 SUMMIT, PLATEAU, RIM = 0, -1, -2
-"""Kinds of summits: a maximum of the surface, none within reach, none at the border of the map."""
+"""Kinds of peaks: the surface has a maximum near the pixel; it has none (flat tops too); it has
+none, and the pixel lies at the border of the map."""
 
 Array = NDArray[np.float64]
 
 SAMPLED_ROWS = 64
-"""Rows that tell how many peaks a map has."""
+"""Number of rows from which the number of peaks is estimated."""
 
 HIGHEST_SHARE = 0.02
-"""Share of the points that count as the highest."""
+"""Share of the points of a map that `flat_share` looks at, the highest ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,7 @@ class Peaks:
     Parameters
     ----------
     row, col
-        Pixel of the summit, shape (n,). Of a plateau: the member nearest to its centroid.
+        Pixel of the summit, shape (n,); for a plateau its pixel nearest to its centroid.
     x, y
         Center of that pixel [m], shape (n,).
     height
@@ -54,17 +55,17 @@ class Peaks:
     prominence
         Height of the summit above its saddle [m], shape (n,), positive.
     saddle
-        Height [m] of the highest pass to a higher peak, shape (n,); of a peak without one, the
-        lowest height flooded.
+        Height [m] of the highest pass to a higher peak, shape (n,); the lowest height flooded for a
+        peak without such a pass.
     parent
-        Highest peak on the other side of that pass, shape (n,); -1 where there is none.
+        Highest peak on the other side of the saddle, shape (n,); -1 if there is none.
     basin_area
         Area [m^2] of the basin, shape (n,).
     border
         True where the basin touches the border of a map that is not periodic, shape (n,).
     labels
-        Peak whose basin holds the pixel, shape (ny, nx); -1 where not flooded. Of a map that stays
-        on disk they do too (`surfaces.numerics.stored_array.mapped`).
+        Peak whose basin holds the pixel, shape (ny, nx); -1 where not flooded. On disk if the map
+        is on disk (`surfaces.numerics.stored_array.mapped`).
     neighbors
         Pairs of peaks whose basins touch, shape (k, 2), the higher peak first.
     passes
@@ -110,7 +111,7 @@ class Peaks:
 
 @dataclass(frozen=True, eq=False)
 class SummitArrays:
-    """Summits of n peaks, one row of every array per peak.
+    """Arrays of the summits of n peaks, one row per peak.
 
     Attributes
     ----------
@@ -125,16 +126,17 @@ class SummitArrays:
     places
         Row and column of the summits [pixels], shape (n, 2).
     kinds
-        How each was found: `SUMMIT`, `RIM` or `PLATEAU`, or one more than the peak into whose basin
-        the surface rises, shape (n,).
+        `SUMMIT`, `RIM` or `PLATEAU`; or 1 + m if the surface rises from the peak into the basin of
+        peak m, shape (n,).
     floor
-        Height [m] above which the basin of summits that were joined hangs together, shape (n,).
+        Height [m] above which the basins of joined summits are one, shape (n,); infinite for a
+        summit that was not joined.
     tilt
-        By how much the surface about each is taken to fall along y and x [m per pixel], (n, 2).
+        Fall of the surface along y and x [m per pixel] by a tilt of the basin, shape (n, 2).
     dip
-        How far f may fall along a ray before the ray ends [m], shape (n,).
+        Fall of f along a ray [m] at which the ray ends, shape (n,).
     single
-        Owners before any were joined, shape (n,).
+        `owner` before any summits were joined, shape (n,).
     """
 
     x: Array
@@ -161,8 +163,8 @@ class SummitArrays:
 
 
 def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
-    """How many points of a map above a height [m] are higher than their neighbors, as some rows
-    tell."""
+    """Number of points above a height [m] that are higher than their neighbors, estimated from
+    `SAMPLED_ROWS` rows of the map."""
     ny, nx = hm.shape
     rows = np.arange(1, ny - 1, max(1, (ny - 2) // SAMPLED_ROWS))
     lines = [hm.source[rows + step] for step in (-1, 0, 1)]
@@ -174,14 +176,14 @@ def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
 
 
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Peaks with a flat top and its middle.
+    """Peaks with a flat top, and the middle of each.
 
     Returns
     -------
     rows
-        Peaks of which a highest point has eight neighbors of its height, (k,).
+        Peaks with a highest point whose eight neighbors have its height too, (k,).
     middle
-        Row and column of such a point that is nearest to the mean of them, (k, 2).
+        Row and column of the one of these points that is nearest to their mean, (k, 2).
     """
     heights, shape = hm.source, np.array(hm.shape)
     tops = np.stack((peaks.row, peaks.col), axis=1)
@@ -208,9 +210,11 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
 
 
 def _off_mean(place: Array, of: NDArray[np.int64], period: int | None) -> Array:
-    """Distance along a map of points from the mean of those of the same group; in a periodic map
-    from the mean of what lies within half a period of the mean direction on a circle, wherever the
-    map begins."""
+    """Distance along one axis of each point from the mean of its group `of`.
+
+    On a periodic axis positions are first taken within half a period of the circular mean of the
+    group, so that the result does not depend on where the map begins.
+    """
     count = np.maximum(np.bincount(of), 1)
     if period is not None:
         turn = 2.0 * np.pi * place / period
@@ -230,7 +234,7 @@ def flat_share(hm: HeightMap) -> float:
 
 
 def _level_steps(hm: HeightMap, points: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Which of the nine points about each of some, (k, 2), have its height, (k, 9)."""
+    """Whether each of the nine points about each of the `points` (k, 2) has its height, (k, 9)."""
     steps = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1), indexing="ij"), axis=-1).reshape(9, 2)
     near, shape = points[:, None] + steps, np.array(hm.shape)
     inside = hm.periodic | ((near >= 0) & (near < shape)).all(axis=2)

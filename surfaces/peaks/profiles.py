@@ -1,4 +1,4 @@
-"""Profiles of peaks: gap f(r, phi) about each summit, on rays to the basin edge."""
+"""Profiles of peaks: the gap f(r, phi) about each summit, on rays to the edge of the basin."""
 
 from __future__ import annotations
 
@@ -27,15 +27,17 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 
-_FOLD = 1.7  # half a paraboloid at the border carries 0.77 of the load, on 0.58 of the area (BEM)
-PART = 1024  # peaks whose directions stay in the cache
+# compression of a peak mirrored at the border: half a paraboloid pressed by boundary elements
+# carries 0.77 of the load of a whole one, on 0.58 of the area
+_FOLD = 1.7
+PART = 1024  # peaks sampled together: their directions stay in the cache
 _MOST_SAMPLES = 64 * LANES  # of a ray
 _TINY = 1e-300
 
 
 def ray_aspect(curvature: Array) -> Array:
-    """Aspect of the ellipses on which the rays are spread, the root of that of the contact, from
-    the principal curvatures k1 >= k2 [1/m], shape (..., 2)."""
+    """Aspect (k2/k1)^(1/3) of the ellipses in whose parameter the rays are uniform, from principal
+    curvatures k1 >= k2 [1/m], shape (..., 2)."""
     ratio = curvature[..., 1] / curvature[..., 0]
     return np.maximum(ratio ** (1.0 / 3.0), _NARROWEST)
 
@@ -70,10 +72,9 @@ class Profiles:
     border
         True where the basin touches the border of a map that is not periodic, shape (n,).
     valid
-        Whether there is a summit, shape (n,). False where the interpolated surface rises from
-        the summit pixel into the basin of another peak (the grid cuts a ridge into several
-        peaks). Such a profile is a paraboloid that fills the basin down to its saddle; it stands
-        for no contact of its own.
+        Whether the peak has a contact of its own, shape (n,). It is False where the interpolated
+        surface rises from the summit pixel into the basin of another peak (the grid cuts a ridge
+        into several peaks). Such a profile is a paraboloid that fills the basin down to its saddle.
     owner
         Peak into whose basin the surface rises, shape (n,), the peak itself where `valid`. The
         rays of the owner run through the basins that it owns.
@@ -131,7 +132,7 @@ class Profiles:
 
         Notes
         -----
-        Along a ray the root of f is linear between the nodes; no area lies beyond its end.
+        Along a ray sqrt(f) is linear between the nodes; no area lies beyond the end of a ray.
         """
         area = np.zeros(depths.shape)
         rays = self.q, self.t, self.edge, self.weight
@@ -142,10 +143,10 @@ class Profiles:
     def profile(self, i: int) -> PolarProfile:
         """Profile of one peak on `_ANGLES` equispaced directions, up to its longest ray.
 
-        Between the rays f is a periodic cubic spline in the parameter of the ellipse on which
-        they are spread, at equal distances in units of that ellipse, where a paraboloid has two
-        harmonics only. Beyond the edge of a ray f goes on with its last slope and the curvature
-        2 q. The radii and directions lie dense enough to return the nodes of all rays.
+        Between the rays f is a periodic cubic spline over the parameter of the ellipse of
+        `ray_aspect`, at points of equal distance in units of that ellipse: there a paraboloid has
+        only two harmonics. Beyond the end of a ray f continues with its last slope and the
+        curvature 2 q. Radii and directions are dense enough to reproduce the nodes of all rays.
         """
         from scipy.interpolate import CubicSpline
 
@@ -193,7 +194,7 @@ def _square(parameter: Array | float, aspect: float) -> Array:
 
 
 def _steps() -> Array:
-    """Radii [pixels] at which the rays are looked at: steps of half a pixel that grow with it."""
+    """Radii [pixels] of the samples of a ray: steps of half a pixel or a tenth of the radius."""
     radii = [0.0, 1.0]
     for _ in range(_MOST_SAMPLES - 1):
         radii.append(radii[-1] + max(0.5, 0.1 * radii[-1]))
@@ -204,8 +205,8 @@ _RADII = _steps()
 
 
 class Fans:
-    """The rays of the peaks `index` (k,), to be filled part by part: `phi`, `weight`, `edge` and
-    `q` are as in `Profiles`, one row for each of these peaks."""
+    """Rays of the peaks `index` (k,), sampled part by part into the arrays `phi`, `weight`, `edge`
+    and `q` of `Profiles`, one row for each of these peaks."""
 
     def __init__(self, summits: SummitArrays, index: Rows, rays: int, nodes: int) -> None:
         self._summits, self._index = summits, index
@@ -231,7 +232,7 @@ class Fans:
         k1, k2 = of.curvature[peak].T[:, :, None]
         tip = 0.5 * (k2 * along * along + k1 * across * across)
         lost = of.kinds[peak] > 0
-        if lost.any():  # in the basin of another peak: the paraboloid that fills its own
+        if lost.any():  # the surface rises into another basin: a paraboloid that fills its own
             gone, own = slot[lost], ~lost
             area = of.pixels[peak[lost]] * np.prod(of.hm.spacing)
             self.edge[gone] = np.sqrt(area / np.pi)[:, None]
@@ -253,7 +254,7 @@ class Fans:
             of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x, fall,
             pixel, limit, _RADII, self._shares, tip, slot, self.edge, self.q,
         )  # fmt: skip
-        # the calls before are too short for several threads, which would wait for each other
+        # only this call is long enough for several threads
         size = self.phi.shape[1], self._shares.size
         parallel.run(
             lambda a, b: _rays.fit(*given, *_rays.scratch(*size), a, b),
@@ -263,10 +264,10 @@ class Fans:
         self.q[blunt, :, 0] = self.q[blunt, :, 1]
 
     def _directions(self, slot: Rows, curvature: Array, angle: Array) -> tuple[Array, Array]:
-        """Cosine and sine of the directions in the frames of the peaks, shape (n, rays) each.
+        """Cosine and sine of the rays in the principal axes of the peaks, shape (n, rays) each.
 
-        Equal steps of the parameter of the ellipse of semi-axes 1 and `ray_aspect`.
-        The directions and their quadrature weights are filled in.
+        The rays are equal steps in the parameter of the ellipse of semi-axes 1 and `ray_aspect`.
+        Fills in the directions and their quadrature weights.
         """
         u, v = self._cos, ray_aspect(curvature)[:, None] * self._sin
         weight = 1.0 / (u * u + v * v)
@@ -284,7 +285,7 @@ class Fans:
         return along, across
 
     def _ways(self, peak: Rows, along: Array, across: Array) -> tuple[Array, Array, Array]:
-        """Steps of one pixel over y and x, and their length [m]."""
+        """Steps of the rays along y and x, the larger one a pixel, and their length [m]."""
         of = self._summits
         axis_x, axis_y = (turn(of.angle[peak])[:, None] for turn in (np.cos, np.sin))
         ways = [along * axis_y + across * axis_x, along * axis_x - across * axis_y]
@@ -309,10 +310,11 @@ def bearing_areas(
     depths: Array,
     area: Array,
 ) -> None:
-    """Add the areas above the flats at `depths` (n, levels), rising, to `area` in the rows [a, b).
+    """Add the areas above the flats at the ascending `depths` (n, levels) to `area`, for the rows
+    rows[0] to rows[1] - 1.
 
-    Each ray, of which `weight` is the angle, adds half its squared length up to f = depth; the root
-    of f is linear between its nodes.
+    Each ray adds `weight` r^2 / 2, with the angle `weight` and the radius r at which f is the
+    depth; sqrt(f) is linear between its nodes.
     """
     last = t.size - 1
     for i in range(rows[0], rows[1]):

@@ -41,8 +41,8 @@ def segment(
         Smallest prominence [m] of a peak. The basins of lower ones join the neighbor across their
         saddle.
     wolf
-        The same as a percentage of the height range of the map (Wolf pruning); the larger of both
-        limits counts.
+        Smallest prominence in per cent of the height range of the map (Wolf pruning). The larger of
+        both limits counts.
 
     Returns
     -------
@@ -58,13 +58,13 @@ def segment(
 
     Notes
     -----
-    The peaks are those of a flood of the 8-connected grid in descending height, found without
-    sorting the pixels. Each pixel is linked to its steepest higher neighbor, so that a basin is
-    what drains up to one peak; a plateau without a way up is one peak. Two peaks become connected
-    in the flood at the highest path between them; along such a path the height can be lowest only
-    where it crosses from one basin to another, because inside a basin each pixel has a rising way
-    to the peak. The passes between touching basins therefore hold the whole merge tree, and
-    only they are sorted (Kruskal's maximum spanning tree gives saddles and prominences).
+    The peaks are those of a watershed flood of the 8-connected grid in descending height, found
+    without sorting the pixels. Each pixel is linked to its steepest higher neighbor: the basin of a
+    peak consists of the pixels whose links lead to it. A plateau without a higher neighbor is one
+    peak. The saddle of two peaks is the lowest point of the highest path between them. This point
+    lies where the path crosses from one basin to another, because inside a basin each pixel has a
+    rising path to the peak. The passes between touching basins therefore determine all saddles and
+    prominences, and only the passes are sorted (Kruskal's maximum spanning tree).
 
     References
     ----------
@@ -91,7 +91,7 @@ def segment(
         lambda: _merged(height, keys, tops, _lowest(hm, level), limit),
     )
     single = len(parallel.lines(hm.shape[0], hm.shape[0] * hm.shape[1])) == 1
-    run: Any = map if single else parallel.each  # as the map repaid a thread or not
+    run: Any = map if single else parallel.each  # small maps do not repay a second thread
     (pairs, passes), (saddle, parent, keeper) = run(lambda part: part(), both)
     kept = np.flatnonzero(keeper == np.arange(summit.size))
     if kept.size < summit.size:
@@ -126,7 +126,7 @@ def segment(
 
 
 def _flood_all(hm: HeightMap, above: float) -> Flooded:
-    """Peaks, basins and passes of a map in memory, its pixels at or above a height [m]."""
+    """Flood the pixels of a map in memory that lie at or above a height [m]."""
     heights = hm.heights
     if heights.size > _MOST_PIXELS:
         raise SurfaceError(
@@ -143,7 +143,7 @@ def _flood_all(hm: HeightMap, above: float) -> Flooded:
 
 
 def _lowest(hm: HeightMap, above: float) -> float:
-    """Lowest height [m] of a map at or above another one; infinite if there is none."""
+    """Lowest height of a map at or above the height `above` [m]; infinite if there is none."""
     if above <= hm.roughness.lowest:
         return hm.roughness.lowest
     found = [rows[rows >= above].min(initial=np.inf) for _, _, rows in windows(hm.source)]
@@ -157,7 +157,8 @@ def _merged(
     lowest: float,
     limit: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
-    """Saddle, parent and keeper of each peak from the passes, of which a pair may have several."""
+    """Saddle and parent of each peak, and the peak that keeps its basin after pruning; a pair of
+    peaks may have several of the passes."""
     order = _falling(passes, keys)
     low = keys[order] // height.size
     saddle, parent = np.full(height.size, lowest), np.full(height.size, -1)
@@ -172,9 +173,9 @@ def _merged(
 def _falling(
     values: NDArray[np.float64], keys: NDArray[np.int64] | None = None
 ) -> NDArray[np.int64]:
-    """Order of falling values, equal ones by their keys, or as they stand.
+    """Order of descending values; equal ones by their keys, or by position without keys.
 
-    A stable sort of all is slower.
+    Only equal values are sorted stably: a stable sort of all is slower.
     """
     order = np.argsort(-values)
     ranked = values[order]
@@ -201,7 +202,7 @@ def _limit(hm: HeightMap, min_prominence: float, wolf: float | None) -> float:
 def _links(
     heights: NDArray[np.float64], hm: HeightMap, above: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int64], list[NDArray[np.int32]]]:
-    """Pointer map, summit pixels (any order), flooded runs by block."""
+    """Pointer map (`_flood`), summit pixels in any order, and the flooded runs of each block."""
     link = np.empty(heights.size, np.int32)
     found = parallel.run(
         lambda start, stop: ascended(heights, hm, above, link, start, stop),
@@ -221,7 +222,7 @@ def _passes(
     n: int,
     runs: list[NDArray[np.int32]],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Pixels per basin; keys of touching pairs, some several times, and their passes."""
+    """Number of pixels of each basin; keys of touching pairs (`Flooded`) and their passes."""
 
     counts = [np.zeros(n, np.int64) for _ in runs]
     found = parallel.each(

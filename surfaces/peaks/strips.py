@@ -21,10 +21,10 @@ Pixels = NDArray[np.int64]
 Index = NDArray[np.int32]
 
 STRIP_HALO = 8
-"""Rows on both sides of a strip that tell where its plateaus lead, at first."""
+"""Rows on both sides of a strip that are read first, to follow the plateaus that leave it."""
 
 PEAK_BYTES = 400
-"""Memory of a peak with its passes while they are merged [bytes]."""
+"""Bytes of memory of a peak with its passes while basins are merged."""
 
 
 class Flooded(NamedTuple):
@@ -33,9 +33,9 @@ class Flooded(NamedTuple):
     Attributes
     ----------
     summit
-        Their pixels, shape (n,).
+        Pixel of each peak, shape (n,).
     height
-        Heights of these [m], shape (n,).
+        Height of each peak [m], shape (n,).
     labels
         Peak whose basin holds each pixel, shape (ny, nx), in memory or on disk; -1: not flooded.
     counts
@@ -53,10 +53,10 @@ class Flooded(NamedTuple):
 
 
 class _Strip(NamedTuple):
-    """What is kept of a strip of rows.
+    """Result of flooding a strip of rows.
 
-    Its labels are its peaks, in the order of their pixels, then the pixels of the row above it and
-    of the row below it, where ways end that lead out of the strip.
+    Its labels number its peaks, in the order of their pixels, then the pixels of the row above and
+    of the row below it, at which links that leave the strip end.
 
     Attributes
     ----------

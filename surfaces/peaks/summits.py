@@ -19,25 +19,25 @@ from .profiles import PART, Fans, Profiles
 
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
-_BAND = 32  # rows whose peaks are looked at together
+_BAND = 32  # rows of a band; `_near` orders peaks by bands
 _SAME = 0.2  # two summits nearer than this [pixels] are one
-_RING = 0.1  # of the height of a flat top, up to which the spline rings on it
+_RING = 0.1  # the spline rings on a flat top by up to this part of its height
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Summits(SummitArrays):
-    """Summits of n peaks; the rays of those that are asked for are sampled by `rows`.
+    """Summits of n peaks. `rows` samples the rays of some of them.
 
-    At light loads most peaks never touch, and their rays would cost more than all the rest.
+    At light loads most peaks never touch, and the rays of all would cost more than all the rest.
     """
 
     def joined(self, pairs: NDArray[np.int64], floors: Array) -> Summits:
-        """Summits of which the basins of each pair, (k, 2), are one basin of the higher summit, of
-        equals that of the larger basin.
+        """Summits with the basins of each of the `pairs` (k, 2) joined to one basin.
 
-        The basins of a pair hang together above `floors` [m], shape (k,).
+        It belongs to the higher summit, of equal ones to that with the larger basin. The basins of
+        a pair count as one above the height `floors` [m], shape (k,).
         """
         owner, floor = self.owner.copy(), self.floor.copy()
         pixels, border, valid = self.pixels.copy(), self.border.copy(), self.valid.copy()
@@ -55,13 +55,15 @@ class Summits(SummitArrays):
         return replace(self, owner=owner, floor=floor, pixels=pixels, border=border, valid=valid)
 
     def tilted(self, index: NDArray[np.int64], gradient: Array, dip: Array) -> Summits:
-        """Summits of which the surface about those of the rows `index` (k,) is tilted: it falls by
-        the `gradient` along y and x [-], (k, 2). A ray ends where f has fallen by `dip` [m], (k,).
+        """Summits after a tilt of the basins of the peaks `index` (k,).
+
+        The surface of each falls by the `gradient` along y and x [-], (k, 2), in addition. A ray
+        ends where f has fallen by `dip` [m], (k,).
 
         Notes
         -----
-        A summit stands where the tilted surface is highest, the next one uphill in its basin;
-        `height` is still that of the surface itself. It is `valid` if there is such a place.
+        The summit moves to the next maximum of the tilted surface uphill in its basin; `valid` says
+        whether there is one. `height` is that of the surface without tilt.
         """
         hm, peaks = self.hm, self.peaks
         names = "x", "y", "height", "curvature", "angle", "valid", "places", "kinds", "tilt", "dip"
@@ -88,12 +90,12 @@ class Summits(SummitArrays):
         return replace(self, **own)
 
     def near(self, index: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Order of the peaks `index` in which neighbors follow each other."""
+        """Order of the peaks `index` in which neighbors on the map follow each other."""
         return _near(self.peaks.row[index], self.peaks.col[index])
 
     def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
-        """Profiles of the peaks `index` (k,), in that order, with rays and nodes as in
-        `fit_profiles`; `owner` keeps the numbers of all peaks."""
+        """Profiles of the peaks `index` (k,), in that order; rays and nodes as in `fit_profiles`.
+        `owner` counts the peaks of the whole map."""
         rays, nodes = as_count("rays", rays, 4), as_count("nodes", nodes, 4)
         fans = Fans(self, index, rays, nodes)
         near = self.near(index)
@@ -105,8 +107,8 @@ class Summits(SummitArrays):
 
 
 def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
-    """Climb from the peaks of a map to the maxima of the surface through its points; refused as in
-    `fit_profiles`."""
+    """Find the summits of peaks: climb from each pixel to a maximum of the surface through the
+    points of the map. Raises the errors of `fit_profiles`."""
     require_map(hm)
     if not isinstance(peaks, Peaks):
         raise InputError(f"the peaks of segment are needed, not {type(peaks).__name__}")
@@ -117,7 +119,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
         )
     n = len(peaks)
     depth = _depths(peaks)
-    if not (depth > 0.0).all():  # the lowest peak of all has none; its basin is filled anyway
+    if not (depth > 0.0).all():  # a peak at the lowest height flooded has no depth
         relief = hm.roughness.highest - hm.roughness.lowest
         if relief == 0.0:
             raise SurfaceError("the map is constant; there is no summit to fit")
@@ -161,8 +163,8 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
 
 
 def _depths(peaks: Peaks) -> Array:
-    """Height [m] of each peak above its pass to the first that is at least as high: of equal peaks
-    alike, whichever of them is the parent."""
+    """Height [m] of each peak above its pass to a peak that is at least as high. It does not depend
+    on which of equal peaks is the parent, as `prominence` does."""
     saddle, parent = peaks.saddle.copy(), peaks.parent
     even = np.flatnonzero((parent >= 0) & (peaks.height[parent] == peaks.height))
     np.maximum.at(saddle, parent[even], peaks.saddle[even])
@@ -202,12 +204,12 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     ``(k2/k1) ** (1/3)`` (the square root of the aspect of the Hertz contact, at least 1/sqrt(8)),
     which keeps the angular quadrature accurate for elongated contacts. A ray ends at the first
     local maximum of f, or a tenth beyond the point where it leaves the basin of its peak for
-    another: basins are not star-shaped, and rays cut at their edge cover only nine tenths of the
-    map. A plateau, which has no curvature of its own, starts with the paraboloid that fills its
-    basin; a flat top (`flat_tops`) does so in its middle, and its rays pass over the rings that the
-    spline makes on it. A peak that is highest at the border of a map that is not periodic is
-    mirrored there and compressed by 1.7 across it: a whole contact that carries as much as the half
-    there is. Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
+    another: basins are not star-shaped, and rays cut at their edge would cover only nine tenths of
+    the map. A plateau has no curvature of its own and gets that of the paraboloid that fills its
+    basin. The summit of a flat top (`flat_tops`) is its middle; its rays pass over the rings of the
+    spline. A peak that is highest at the border of a map that is not periodic is mirrored at the
+    border and compressed by 1.7 across it: this whole contact carries as much as the half that
+    exists. Unflooded pixels belong to no basin, so that `segment(above=...)` changes hardly a ray
     above that height.
 
     Examples
@@ -228,14 +230,15 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
 
 
 def _near(row: NDArray[np.int64], col: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Order in which neighbors follow each other, so that they share the cache."""
+    """Order of pixels by bands of rows, then by columns: neighbors share the cache."""
     return np.argsort((row // _BAND << 32) + col)
 
 
 def _owners(
     hm: HeightMap, peaks: Peaks, places: Array, kinds: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Peak that stands for each peak; `kinds` is updated for those that share a summit."""
+    """Owner of each peak (`Profiles.owner`). If two peaks have one summit, `kinds` of the one whose
+    basin does not hold it becomes 1 + the other."""
     n = len(peaks)
     rank = np.arange(n)
     pixel = np.rint(places).astype(np.int64)
