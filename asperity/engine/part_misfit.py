@@ -224,8 +224,8 @@ def _sum(weights: Array) -> Array:
 
 def _fewness(weights: Array) -> Array:
     """Factor on the floor of the bounds by the number of parts, from their shares of the load,
-    shape (parts, n): 1 for `FITTED.alike` parts of equal share, larger for fewer or unequal ones,
-    NaN where the parts carry too little of the load."""
+    shape (parts, n): 1 for `FITTED.alike` parts of equal share, larger for fewer or unequal ones;
+    NaN where the parts carry too little of the load (`FITTED.cover`)."""
     total = _sum(weights)
     few = FITTED.alike * (weights**2).sum(axis=0) / total**2
     few[total < FITTED.cover / math.sqrt(len(weights))] = np.nan

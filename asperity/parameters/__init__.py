@@ -1,7 +1,5 @@
-"""All constants of the microcontact model; here those of its corrections, their switches,
-and its limits.
-
-"25 %" has the meaning of `constants`.
+"""All constants of the microcontact model. This module holds those of the corrections, the switches
+of these, and the limits of the model; `constants` holds the others, and says what "25 %" means.
 """
 
 from __future__ import annotations
@@ -35,19 +33,20 @@ __all__ = [
 
 @dataclass(frozen=True)
 class ContactShift:
-    """Contacts that move aside under the slope of their neighbors' field.
+    """Contact shift under the slope of the neighbors' field.
 
     Attributes
     ----------
     largest
-        Bound of the shift over the contact radius [-]: farther off the paraboloid is no guide, and
-        contacts that push each other aside have several states. With 0.7, 14 of 70 maps had loads
-        that hung on the path by more than a tenth of the stated error, up to 1.25 of it; with 0.55,
-        6 of 80, one up to 0.94 and the others to 0.21. The load error is 1.1 % (74 judged maps).
+        Largest shift over the contact radius [-]. Farther off, the paraboloid of the summit does
+        not describe the surface, and contacts that shift each other have several states. With 0.7
+        the loads of 14 of 70 maps depended on the load path by more than a tenth of the stated
+        error, up to 1.25 of it; with 0.55 those of 6 of 80, one up to 0.94, the others to 0.21. The
+        load error is 1.1 % (74 judged maps).
     growth
-        Growth of the contact area [-] with the square of 1 + m times the shift over the contact
-        radius, at equal force, beside summits that are no paraboloid up to the contour (boundary
-        elements, contact by contact: 1.2 to 1.9 for cut-offs from 4 to 16 pixels).
+        c [-] of the area A (1 + c (1 + m)^2 s^2/a^2) of a contact of radius a shifted by s, at
+        equal force, if the contact has outgrown the paraboloid of its summit (boundary elements,
+        contact by contact: 1.2 to 1.9 for cut-offs from 4 to 16 pixels).
     """
 
     largest: float = 0.55
@@ -56,15 +55,15 @@ class ContactShift:
 
 @dataclass(frozen=True)
 class ElongationBounds:
-    """Elongated footprints.
+    """Bounds of elongated footprints.
 
     Attributes
     ----------
     aspect
         Largest ratio [-] of the axes of a footprint.
     radius
-        Largest radius of curvature along a contact over that of the round one [-]: a ridge is no
-        paraboloid along its length.
+        Largest radius of curvature along a contact, over that of the round contact [-], in the
+        contact shift: along a ridge the surface is no paraboloid.
     """
 
     aspect: float = 30.0
@@ -73,16 +72,17 @@ class ElongationBounds:
 
 @dataclass(frozen=True)
 class Limits:
-    """Where load points are refused.
+    """Limits of the model.
 
     Attributes
     ----------
     long_area
-        Share [-] of the map in discs on the long axes of the contacts. With lay of 10:1 (shortest
-        wave 8 pixels) the load is 24 to 32 % too high there, at 9 % of contact, with 20:1 half as
-        much again at 5 %; 4:1 reaches 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
+        Largest area of discs on the long axes of the contacts, over the area of the map [-]; load
+        points above it are refused. With lay of 10:1 (shortest wave 8 pixels) it is reached at 9 %
+        of contact, where the load is 24 to 32 % too high; with 20:1 at 5 %, where the load is half
+        as much again too high. Lay of 4:1 has 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
     negligible_shift
-        Shift by the neighbors, relative to the approach [-], below which interaction is left out.
+        Displacement by the neighbors, over the approach [-], below which interaction is left out.
     """
 
     long_area: float = 1.9
@@ -91,16 +91,17 @@ class Limits:
 
 @dataclass(frozen=True)
 class PressedBasins:
-    """Contacts that carry so much of the load that their basins are pressed alone.
+    """Contacts that carry so much of the load that boundary elements press their basins alone.
 
     Attributes
     ----------
     ridge_share, plateau_share, round_share
-        Share [-] of the load from which on a contact is pressed alone: beyond its expansion on a
-        ridge; of a peak without a summit of its own between the pixels, of which no law holds; of a
-        smooth, round summit, whose law is nearer. (25 %: load 0.9 %, area 2.0 %.)
+        Least share [-] of the load, beyond its expansion, for which a contact is pressed alone: on
+        a ridge or rough summit; on a peak without a summit between the pixels, for which no law
+        holds; on a smooth, round summit, whose law is more accurate. (25 %: load 0.9 %, area 2.0
+        %.)
     ridge
-        Ratio of its curvatures [-] up to which a summit is round. (25 %: load 0.4 %, area 0.2 %.)
+        Largest ratio of the curvatures [-] of a round summit. (25 %: load 0.4 %, area 0.2 %.)
     """
 
     ridge_share: float = 0.03
@@ -111,15 +112,15 @@ class PressedBasins:
 
 @dataclass(frozen=True)
 class JoinedPairs:
-    """Two contacts that join while they carry so much of the load that they are pressed as one.
+    """Pairs of contacts that boundary elements press as one.
 
     Attributes
     ----------
     share
-        Share [-] of the load from which on they are. (25 %: load 2.3 %, area 5.7 %.)
+        Least share [-] of the load that both carry as they join. (25 %: load 2.3 %, area 5.7 %.)
     slack
-        Part of the approach [-] under the pass between them where the basins of both still hang
-        together. (25 %: load 0.3 %, area 4.6 %.)
+        Depth below the pass between them, over the mean approach [-], down to which both basins
+        count as one. (25 %: load 0.3 %, area 4.6 %.)
     """
 
     share: float = 0.2
@@ -128,27 +129,29 @@ class JoinedPairs:
 
 @dataclass(frozen=True)
 class TiltedBasins:
-    """Contacts whose basins the field of the others tilts.
+    """Contacts whose basins the field of the others tilts (`corrections.tilted_basins`).
 
     Fitted on seeds 1, 2 and 11 to 16.
 
     Attributes
     ----------
     shift
-        Shift over the contact radius [-] between which a contact takes on the area of its tilted
-        basin.
+        Shift over the contact radius [-] at which a basin begins to count as tilted, and at which
+        it counts fully.
     share
-        Share [-] of the contact area in such contacts up to which none, and from which on all have
-        the law of the tilted surface.
+        Share [-] of the contact area on tilted basins at which the correction of areas begins, and
+        at which it is complete.
     most
-        Part [-] of the area of such contacts in those, the largest first, that are pressed anew.
+        Part [-] of the area on tilted basins that is corrected, in the largest contacts.
     passed
-        Depth of a hollow over the approach [-] beyond which a contact ends (0.1 to 0.4 are alike).
+        Depth of a hollow, over the approach [-], at which a ray ends (0.1 to 0.4 are alike).
     pressed
-        Share [-] of the contact area from which on a contact is pressed. (25 %: area 0.6 %.)
+        Least share [-] of the contact area of a yielded contact that is pressed. (25 %: area 0.6
+        %.)
     probe, confirmed
-        Number of them pressed first, twice as many next, until laws are confirmed to this share [-]
-        of the area pressed last (from four measured maps). (25 %: area 3.5 and 4.1 %, rms 0.07 %.)
+        Number of yielded contacts in the first group that is pressed, twice as many in each next
+        one, until the change of the area of a group is below the part `confirmed` [-] of it (four
+        measured maps). (25 %: area 3.5 and 4.1 %, rms 0.07 %.)
     """
 
     shift: tuple[float, float] = (0.25, 0.35)
@@ -162,15 +165,16 @@ class TiltedBasins:
 
 @dataclass(frozen=True)
 class SharpTips:
-    """Tips between two nodes of their rays.
+    """Tips narrower than the first step of their rays.
 
     Attributes
     ----------
     ratio
-        Ratio [-] of f/r^2 at a tip and at the first node of its rays from which on the rays do not
-        resolve it: 12 and 4 of r and r^1.5, at most 2.3 on nine maps. (25 %: load 0.1, area 0.4 %.)
+        Least ratio [-] of f/r^2 at a tip to that at the first node of its rays for which the rays
+        do not resolve it: 12 for r, 4 for r^1.5, at most 2.3 on nine maps. (25 %: load 0.1, area
+        0.4 %.)
     error
-        Error [-] of its force by that from which on a tip is pressed alone, as at large loads.
+        Expected error [-] of the force above which the expansion of a tip counts as exceeded.
     """
 
     ratio: float = 1.5
@@ -179,15 +183,14 @@ class SharpTips:
 
 @dataclass(frozen=True)
 class Corrections:
-    """Switches of what is added to independent laws and their interaction
-    (``benchmarks/ablation.py`` has a row for each).
+    """Switches of the corrections of the model (``benchmarks/ablation.py`` has a row for each).
 
     Attributes
     ----------
     contact_shift
-        Contacts move aside on the slope of their neighbors' field.
+        Contacts shift on the slope of their neighbors' field.
     elongation
-        Footprints of contacts on long summits are long.
+        Footprints of contacts on elongated summits are elongated.
     pressed_basins
         Basins that carry much of the load are pressed alone.
     joined_pairs
@@ -195,7 +198,7 @@ class Corrections:
     tilted_basins
         Contacts on basins that the field of the others tilts get the area of the tilted basin.
     sharp_tips
-        Contacts little beyond a tip that their rays do not resolve are no longer trusted.
+        Contacts on tips that their rays do not resolve state larger errors.
     wave_split
         The finest waves of a broad spectrum act as a law of the contacts.
     finer_grid
@@ -217,7 +220,7 @@ class Corrections:
 
 @dataclass(frozen=True)
 class Parameters:
-    """All constants of one run, by what they belong to."""
+    """All constants of one run, in groups."""
 
     segmentation: Segmentation = field(default_factory=Segmentation)
     pixel_waves: PixelWaves = field(default_factory=PixelWaves)

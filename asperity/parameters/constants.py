@@ -1,8 +1,9 @@
-"""Constants of the microcontact model, but for its corrections, each with what it was fitted on.
+"""Constants of the microcontact model without its corrections (`asperity.parameters`).
 
-"25 %" says by how much a quarter more or less changes load and area at most, where that is a tenth
-of a percent and more on ten judged maps (``benchmarks/sensitivity.py``,
-docs/development/sensitivity.csv). Numerical tolerances stand where they act.
+Each entry gives quantity and unit, effect, what it was fitted on, and its sensitivity: "25 %" is
+the largest change of load and area on ten judged maps if the constant is a quarter larger or
+smaller, where that is a tenth of a per cent or more (``benchmarks/sensitivity.py``,
+docs/development/sensitivity.csv). Numerical tolerances are in the modules that use them.
 """
 
 from __future__ import annotations
@@ -23,21 +24,23 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Segmentation:
-    """How much of a map is segmented.
+    """Part of a map that is segmented.
 
     Attributes
     ----------
     spare_share, depth
-        Share [-] of the heights to segment: the first, and the second times the contact area
-        fraction. The lowest candidate needs 5 (self-affine) to 7 times (plateau-honed maps) that
-        fraction; the rest keeps the rays of the contacts off the height that is cut.
+        The share [-] of the heights that is segmented, from the highest down, is `spare_share` +
+        `depth` times the expected area fraction. The lowest candidate needs 5 (self-affine) to 7
+        (plateau-honed maps) times the area fraction; the rest keeps rays from ending where the
+        segmented part ends.
     whole_share
-        Share [-] of the heights from which on the whole map is segmented, which costs no more.
+        Share [-] of the heights above which the whole map is segmented, since that costs no more.
     whole_points
-        Points up to which all is segmented: laws of summits whose basins are cut differ a little.
+        Number of points up to which the whole map is segmented: basins that are cut off change the
+        laws of their summits a little.
     flat_share
-        Share [-] of the highest points on flat tops from which on a map stays on its own grid:
-        waves through heights cut off ring, and have summits where the map has none.
+        Share [-] of the highest points on flat tops above which a map is not resampled: a Fourier
+        series through heights that are cut off rings, and has summits where the map has none.
     """
 
     spare_share: float = 0.1
@@ -54,14 +57,15 @@ class PixelWaves:
     Attributes
     ----------
     to_the_pixel
-        Share [-] of the squared slope lost between one pixel and two (`wave_split.fineness`) from
-        which on a map is solved on smaller pixels: cut-off 3 pixels and shorter, and four of seven
-        measured maps. (25 %: load 0.2 %, area 0.6 %.)
+        Share [-] of the squared slope lost between one pixel and two (`checks.fineness`) above
+        which a map is solved on smaller pixels. Maps with a cut-off of 3 pixels or less exceed it,
+        and four of seven measured maps. (25 %: load 0.2 %, area 0.6 %.)
     finer
-        Points of the finer grid per point of the map, along each axis, and how many it may have: 2
-        takes 2.5 times as long, 1.5 takes 1.7 times and mends two thirds as much.
+        Points of the finer grid per point of the map along each axis [-], with the largest number
+        of points of that grid; the first that fits is taken. 2 takes 2.5 times as long as the map;
+        1.5 takes 1.7 times as long and corrects two thirds of the error.
     kurtosis
-        How far the kurtosis [-] of second differences may be from 3, that of random waves.
+        Largest difference [-] of the kurtosis of second differences from 3, that of random waves.
     """
 
     to_the_pixel: float = 0.13
@@ -71,35 +75,37 @@ class PixelWaves:
 
 @dataclass(frozen=True)
 class WaveSplit:
-    """Which waves are too fine for contacts of their own.
+    """Split of the waves of a map: the fine ones get a law, the longer ones ("kept") contacts.
 
     Attributes
     ----------
     breadth
-        Nayak's parameter m0 m4 / m2^2 [-] up to which waves are kept for contacts: beyond it basins
-        are as small as contacts. (25 %: load 2.5 %, area 0.7 %.)
+        Nayak parameter m0 m4 / m2^2 [-] of the kept waves: with a larger one basins would be as
+        small as contacts. (25 %: load 2.5 %, area 0.7 %.)
     worth
-        Breadth of the whole map over `breadth` [-] from which on the finest waves are taken out.
+        Least Nayak parameter of the whole map, over `breadth` [-], for which the waves are split.
     unresolved_pixels
-        Pixels [-] below which the summits of a wave are uncertain. (25 %: load 5.8 %, area 6.0 %.)
+        Length of a wave [pixels] below which its summits are uncertain. (25 %: load 5.8 %, area 6.0
+        %.)
     unresolved_slope
-        Share [-] of the squared slope in such waves from which on they are always taken out.
+        Share [-] of the squared slope in such waves above which the waves are always split.
     fewest_waves
-        Of the shortest waves that are kept, so many fit the side of the map at least. Where few
-        hills carry the load, as without a roll-off, the law of the waves on each is rough.
+        Least number of the shortest kept waves along the side of the map. Where few hills carry the
+        load, as without a roll-off, the law of the fine waves on each is inaccurate.
     kept_slope
-        Share [-] of the squared slope that they hold at least, else their contacts cover the map:
-        at 0.04 (0.1, 0.2) the load was 12 (6, 3) % low at a tenth of contact. (25 %: 2 % there.)
+        Least share [-] of the squared slope in the kept waves. With less their contacts cover the
+        map: at 0.04 (0.1, 0.2) the load was 12 (6, 3) % low at a tenth of contact. (25 %: load 2 %
+        there.)
     points
-        Grid points per shortest wave: four lower the load by 1 to 2 %, eight raise it by up to
-        0.4 %. (25 %: load 6.0 %, area 1.7 %.)
+        Grid points per shortest kept wave [-]: four lower the load by 1 to 2 %, eight raise it by
+        up to 0.4 %. (25 %: load 6.0 %, area 1.7 %.)
     least_slope
-        Share [-] of the squared slope that the finest waves hold at least, if they are taken out.
+        Least share [-] of the squared slope in the fine waves for which the waves are split.
     lay
-        Anisotropy [-] (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map (0.52 at 2:1,
-        0.83 at 4:1) from which on there is no law.
+        Largest anisotropy [-] (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map for
+        which the law holds (lay of 2:1 has 0.52, 4:1 has 0.83).
     grading
-        Largest |m| [-] for which the law was measured.
+        Largest |m| [-] for which the law was fitted.
     """
 
     breadth: float = 14.0
@@ -123,33 +129,35 @@ class SubContact:
     Attributes
     ----------
     spread
-        Share [-] of the pressure variance of the fine waves in full contact that spreads the
-        pressure of a contact about to open, for few fine waves (0.50 to 0.63 found; Wang and Mueser
-        2017 have 5/9). (25 %: load 0.9 %, area 5.7 %.)
+        g0 [-]: part of the pressure variance of the fine waves in full contact that spreads the
+        pressure of a contact about to open, in the limit of few fine waves (0.50 to 0.63 found;
+        Wang and Mueser 2017: 5/9). (25 %: load 0.9 %, area 5.7 %.)
     more_spread
-        What is added to it [-] where the slope of the fine waves is far above the others'. (25 %:
-        load 0.1 %, area 0.6 %.)
+        Increase of g0 [-] in the limit where the slope of the fine waves is far above that of the
+        longer ones. (25 %: load 0.1 %, area 0.6 %.)
     graded_spread
-        c1, c2 [-]: graded, times 1 - c1 m - c2 m^2, |m| <= 0.5. (25 %: load 0.1 %, area 1.1 %.)
+        c1, c2 [-]: factor 1 - c1 m - c2 m^2 on g0 of a graded body, |m| <= 0.5. (25 %: load 0.1 %,
+        area 1.1 %.)
     lift
-        How far the flat is lifted at no contact, over the first-order value less one [-].
+        c [-]: the lift of the flat at no contact is 1 + c times its first-order value.
     lift_power
-        It falls with this power [-] of the share of the area that is not in contact.
+        n [-]: at the area fraction P, c is multiplied by (1 - P)^n.
     graded_lift
-        `lift` on a graded body times 1 - c m [-].
+        c1 [-]: factor 1 - c1 m on `lift` of a graded body.
     tops
-        Further lift over what the fine waves add to the rms height, per standard deviation of
-        height at which the share of area in contact is that above it [-]. Fitted with `lift` on 13
+        c' [-]: further lift c' max(z - `tops_from`, 0) times the increase of the rms height by the
+        fine waves; a normal variable exceeds z with the probability P. Fitted with `lift` on 13
         spectra, seeds 1 and 2, Hurst exponents -1 to 0.8, roll-offs at 5 to 64 pixels, 0.1 to 9 %
-        of contact: load 42 -> 3 % rms.
+        of contact: the error of the load fell from 42 to 3 % rms.
     tops_from
-        Standard deviations of height [-] from which on it counts (14 % of the area).
+        z above which there is a further lift [-] (P = 14 %).
     graded_tops
-        `tops` on a graded body times 1 - c m [-] (m = -0.5, -0.3, 0.3, 0.5).
+        c1 [-]: factor 1 - c1 m on `tops` of a graded body (m = -0.5, -0.3, 0.3, 0.5).
     seen
-        Wave number times contact radius [-] at which half the pressure of the fine waves parts a
-        contact: a longer wave only makes the summit higher or sharper. On seeds 1, 2 and 11 to 14
-        0.9 to 1.5 hardly differ. (25 %: load 0.0 %, area 2.1 %.)
+        x0 [-] in the factor x^2/(x^2 + x0^2) on the pressure variance of the fine waves in a
+        contact, x being their wave number times its radius: a wave longer than the contact only
+        makes the summit higher or sharper. On seeds 1, 2 and 11 to 14 values from 0.9 to 1.5 hardly
+        differ. (25 %: load 0.0 %, area 2.1 %.)
     """
 
     spread: float = 0.50
@@ -166,20 +174,20 @@ class SubContact:
 
 @dataclass(frozen=True)
 class Spots:
-    """Number of separate spots.
+    """Number of contact spots.
 
     Attributes
     ----------
     joined
-        Mean approach over the mean depth [-] of the pass at which two contacts have joined
-        (boundary elements on double wells: 1.7 for two equal summits). (25 %: load 2.2 %, area 6.2
-        %.)
+        Mean approach of two contacts over the mean depth of the pass below their summits [-], at
+        which they have joined (boundary elements on double wells: 1.7 for two equal summits).
+        (25 %: load 2.2 %, area 6.2 %.)
     sag
-        How much deeper a pass lies than its pixels, over the rms second difference of heights [-].
+        Depth of a pass below its pixels, over the rms second difference of the heights [-].
     parted, crowding
-        Spots that fine waves add per wave under the contacts: the factor [-] and the exponent [-]
-        of the area fraction (boundary elements on the pixels of the map, 256 x 320, cut-off 2 and 4
-        pixels, H = 0.5 and 0.8, seeds 1, 2 and 11).
+        c, n [-]: the fine waves add c P^-n (1 - f)/f spots per wave under the contacts
+        (`load_point.spot_count`). Fitted on boundary elements on the pixels of the map, 256 x 320,
+        cut-off 2 and 4 pixels, H = 0.5 and 0.8, seeds 1, 2 and 11.
     """
 
     joined: float = 1.6
@@ -190,8 +198,8 @@ class Spots:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Weights of the terms of the error estimate: the bound that nine errors in ten keep, by
-    quantile regression on synthetic surfaces (``benchmarks/calibrate_estimate.py``).
+    """Weights of the terms of the error estimate, by quantile regression on synthetic surfaces so
+    that nine in ten errors are below it (``benchmarks/calibrate_estimate.py``).
 
     Attributes
     ----------
@@ -199,35 +207,35 @@ class ErrorEstimate:
         Weights [-] of `error_estimate.TERMS`, for the load at equal separation and the contact area
         at equal load.
     flat_tops, at_border, unsure, unresolved
-        Weights [-] of the terms outside the model, for load and area alike: the largest errors
-        where all contacts are such, of heights cut off at one rms height and of a single wave (0.7
-        to 0.99), of tilted maps and of cups (0.15), of single tips r and r^4 (0.8 to 1.6).
+        Weights [-] of terms of `error_estimate.OUTSIDE_MODEL`, for load and area alike: the largest
+        errors found if the whole load is on such contacts. Heights cut off at one rms height and a
+        single wave: 0.7 to 0.99; tilted maps and cups: 0.15; single tips r and r^4: 0.8 to 1.6.
     overshoot, usual_overshoot
-        Weight [-] of how far summits stand above their highest pixels over the approach, and what
-        of it is usual (docs/development/fits.md).
+        Weight [-] of the height of summits above their highest pixels, over the approach; and the
+        value [-] that random maps have, which is subtracted (docs/development/fits.md).
     pressed
-        Part [-] of the errors on flat tops that is gone where these are pressed alone: of heights
-        cut off at one and two rms heights, cut cones and coarse steps those of load are 0.2 then,
-        those of area 0.5 at the lightest loads (seeds 1, 2 and 11).
+        Part [-] by which the term of flat tops falls if these are pressed alone. The errors of load
+        are then 0.2, those of area 0.5 at the lightest loads (heights cut off at one and two rms
+        heights, cut cones, coarse steps; seeds 1, 2 and 11).
     wide_top
-        Part [-] of the map over which a flat top reaches from which on it is no contact among
-        others: of heights cut off at 0.3 rms heights, whose tops hang together, the load is up to
-        80 % low.
+        Area of a flat top over that of the map [-] above which pressing it alone does not help: on
+        heights cut off at 0.3 rms heights, whose tops are connected, the load is up to 80 % low.
     resolved_pixels
-        Pixels [-] of a contact from which on the points of the map tell how high its summit is.
-        Boundary elements on the map and refined twice are 1.4 and 0.5 of the load off at a pixel
-        for each contact (uniform heights, 128 x 128, seed 1).
+        Pixels [-] of a contact above which the points of the map determine the height of its
+        summit. At one pixel per contact the loads of boundary elements on the map and on the map
+        refined twice are off by 1.4 and 0.5 of the load (uniform heights, 128 x 128, seed 1).
     fewest_pixels, unsure_error
-        Pixels [-] of the smallest contact that counts as smaller, and the error [-] of its force
-        that a law expects from which on it tells nothing of a contact.
+        Number of pixels [-] that smaller contacts are counted with; and expected error of the force
+        [-] from which on the law of a contact counts as unsure.
     longest_lay
-        Slopes across over those along a lay [-] from which on no errors are estimated: of lays of
-        7:1 to 10:1 (seeds 1 to 6, 11 and 12) loads came out up to 23 % too high, up to twice what
-        was stated from 7 on, 1.3 times it from 6 to 7 (docs/development/fits.md).
+        Slopes across over those along a lay [-] from which on no errors are estimated. On lays of
+        7:1 to 10:1 (seeds 1 to 6, 11 and 12) loads were up to 23 % too high, up to 2 times the
+        estimate from 7 on, 1.3 times it from 6 to 7 (docs/development/fits.md).
     yielded
-        Slope and least value [-] of the factor of the area's estimate over the share of the area
-        that is not plastic: the rest is load over hardness. 98 of 100 errors over estimates are
-        below it, hardnesses of 0.02 to 1 E* h' (seeds 31 and 32, docs/development/hardness.md).
+        Slope and least value [-] of the factor on the estimate of the area, over the share of the
+        area that is not plastic; the plastic part is load over hardness. 98 % of the errors over
+        the estimate are below it (hardness 0.02 to 1 E* h', seeds 31 and 32,
+        docs/development/hardness.md).
     """
 
     load_weights: tuple[float, ...] = (
@@ -259,19 +267,20 @@ class Anchors:
     Attributes
     ----------
     least_loads
-        Load points from which on some can be left to the model.
+        Least number of load points for which the model is used.
     first
-        Anchors in any case: on random waves, and on other maps, whose misfit varies less evenly.
+        Number of anchors to begin with: on random waves; on other maps, whose misfit varies less
+        evenly.
     judge_share
-        Error [-] of boundary elements at anchors over the accuracy asked for.
+        Error [-] of boundary elements at anchors, over the accuracy asked for.
     prior_share
-        Shares [-] of the a-priori estimates of load and area that are left between anchors at all
-        of which they held.
+        Shares [-] of the a-priori estimates of load and area that bound the misfit between anchors,
+        if the estimates held at all anchors.
     yielded_share
-        What is added to them [-] where the contacts bear the hardness: there the load follows the
-        heights of single summits, and the misfit does not vary slowly.
+        Increase of these shares [-], times the plastic share: the load on contacts at the hardness
+        depends on the heights of single summits, so that the misfit does not vary slowly.
     unknown
-        Estimates of load and area [-] where the model states none.
+        A-priori estimates of load and area [-] used where the model states none.
     """
 
     least_loads: int = 5
@@ -289,29 +298,35 @@ class Parts:
 
     Attributes
     ----------
-    least_points, longest_lay, coarse
-        Maps on which they may: points of the shorter side from which on parts are representative,
-        slopes across over those along a lay up to which contacts stay within them, and rms height
-        of the waves whose contacts are solved over that of all (white noise 0.6, Hurst exponents
-        above 0 more than 0.9) [-].
+    least_points
+        Least points along the shorter side of a map that is checked on parts.
+    longest_lay
+        Largest slope across over that along a lay [-], so that contacts stay within parts.
+    coarse
+        Least rms height of the waves that have contacts, over that of all [-] (white noise 0.6,
+        Hurst exponents above 0 more than 0.9).
     side, points, grid_points
-        Least parts along each side; points along the shorter side of a part, and of the grid that
-        the model solves on it, of maps that have more of such parts.
+        Least number of parts along each side; a larger map has more, with at least `points` of the
+        map and `grid_points` of the grid of the plan along the shorter side of a part.
     loads, judge_share
-        Load points at which they are solved, and error of the area there over the accuracy [-].
-    least_load, heaviest, cover
-        Load on a part over its share of the area from which on it is solved [-]; over that of as
-        large a part at the heaviest load point up to which it is [-]; load on all parts solved over
-        what as many would carry if all carried alike below which they do not tell of the whole [-].
+        Number of load points at which parts are solved; error of the area there, over the accuracy
+        [-].
+    least_load, heaviest
+        Range of the mean pressure on a part that is solved [-]: the least over that of the map at
+        this load point, the largest over that of the map at its heaviest load point.
+    cover
+        Least load on the solved parts, over the load that one row of parts would carry if all
+        carried alike [-]: with less the parts do not bound the misfit.
     long_waves, fine
-        Share [-] of the mean square height in waves longer than half a part from which on these are
-        solved on the whole map, and the part left open then of what the others change [-].
+        Share [-] of the mean square height in waves longer than half a part above which these waves
+        are solved on the whole map; the bound on the change of the load by the other waves is then
+        larger by the part `fine` of it [-].
     floor, alike, few
-        Bounds of load and area [-] beside the scatter over parts that carry alike, the number of
-        these, and the power with which the squares of both grow where parts are fewer.
+        Bounds of load and area [-] that are added to the scatter over `alike` parts of equal load.
+        For r times fewer parts their squares are (1 + r^`few`)/2 times as large [-].
     spare, enough
-        Accuracies over the floors from which on parts are tried, and bounds over the accuracies at
-        which no more are solved [-].
+        Least accuracy over the floor for which parts are tried; bounds over the accuracy at which
+        no more parts are solved [-].
     """
 
     least_points: int = 1536
