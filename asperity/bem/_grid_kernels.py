@@ -26,12 +26,13 @@ def contact_sums(
     cap: float,
     block_low: Grid,
 ) -> Any:
-    """Sums: where 0 < p < cap, count and gap; where p < cap, load times gap; load and load times u;
-    where p >= cap, count, gap and load above the cap. Then the lowest gap where p < cap, the
-    highest where p >= cap, and the largest |u|; gap = u - h.
+    """Sums and extremes over the rows of a grid, with gap = u - h.
 
-    `block_low` (ny, blocks) receives the lowest gap of each run of 64 points, -inf where one
-    carries a pressure (a predicted one may be negative).
+    Sums: count and gap where 0 < p < cap; p gap where p < cap; p and p u everywhere; count, gap and
+    p - cap where p >= cap. Extremes: lowest gap where p < cap, highest where p >= cap, largest |u|.
+
+    `block_low` (ny, blocks) receives the lowest gap of each run of 64 points, -inf if one of them
+    has a pressure, which may be negative if it was predicted.
     """
     nx = heights.shape[1]
     count = held = 0

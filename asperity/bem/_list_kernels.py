@@ -1,4 +1,6 @@
-"""Compiled passes over the vectors of a contact list: one conjugate-gradient step in three."""
+"""Compiled passes over the vectors of a contact list. `measure`, `turn` and `advance` make one
+step of conjugate gradients (Polonsky & Keer 1999, with the factor of Polak & Ribiere).
+"""
 
 from __future__ import annotations
 
@@ -10,10 +12,11 @@ from numpy.typing import NDArray
 from surfaces.numerics.compiled import EXTREMES, SUMS, compiled
 
 _NEWTON_STEPS = 10
-"""Newton steps for the sum of bounded pressures, after which it is bisected: mostly three do."""
+"""Most Newton steps for the sum of bounded pressures before bisection; three are usually enough."""
 
 _ROUNDING = 1e-6
-"""Square of a residual over that of the next up to which the last direction tells nothing."""
+"""Squared norm of a residual over that of the next one, below which the last direction is rounding.
+"""
 
 Single = NDArray[np.float32]
 Double = NDArray[np.float64]
@@ -31,14 +34,14 @@ def measure(
     cap: float,
     held: bool,
 ) -> Any:
-    """Active points, which are not held at a bound, and their residual gap - level.
+    """Mark the active points, and compute their residual gap - level.
 
-    The gap is start_gap + change. Held are p = 0 with a gap above the level, and p = cap below it.
+    The gap is start_gap + change. A point is held at a bound, and not active, if p = 0 and its gap
+    is above the level, or if p = cap and its gap is below the level.
 
-    Returns the level (mean gap where 0 < p < cap, or zero if it is `held` there), the largest error
-    of the gap (duality gap over the load, penetration or lift, as in `certificate`), the number of
-    active points, the energy of the move, sum moved (start_gap + change / 2), and the sum of the
-    move.
+    Returns the level (the mean gap where 0 < p < cap; zero if `held`), the largest error of the gap
+    (duality gap over the load, penetration or lift, as in `certificate`), the number of active
+    points, the energy of the move, sum moved (start_gap + change / 2), and the sum of the move.
     """
     n = p.size
     count = inside = 0
@@ -87,10 +90,10 @@ def turn(
     direction: Single,
     old_norm: float,
 ) -> float:
-    """New direction z + beta * direction without mean (Polak-Ribiere); returns z . residual.
+    """New direction z + beta * direction less its mean (Polak-Ribiere); returns z . residual.
 
-    The last direction may be of other active points. It is left out where `old_norm` is zero, or
-    so small beside the new norm that it was rounding; with an infinite `count` the mean stays.
+    The last direction may belong to other active points. It is left out if `old_norm` is zero, or
+    so much below the new norm that it was rounding. With an infinite `count` no mean is subtracted.
     """
     n = z.size
     zr = zb = z_sum = r_sum = b_sum = d_sum = 0.0
@@ -129,8 +132,9 @@ def advance(
 ) -> int:
     """Step to the minimum along the direction; returns the number of pressures out of bounds.
 
-    Updates p and change. The load stays, and the level is zero with an infinite `count`. Returns -1
-    and changes nothing if the direction has no positive curvature.
+    Updates p and change. The sum of p does not change if `count` is finite; with an infinite one
+    the level is zero and the sum is free. Returns -1 and changes nothing if the direction has no
+    positive curvature.
     """
     n = p.size
     slope = curvature = response_sum = direction_sum = 0.0
@@ -157,12 +161,14 @@ def advance(
 
 @compiled(fastmath=EXTREMES)
 def leveling(p: Double, total: float, cap: float) -> Any:
-    """What to add to the pressures that no bound holds so that all, cut at 0 and cap, have a sum.
+    """Shift of the pressures between the bounds after which all, cut at 0 and cap, sum to `total`.
 
-    Held are p <= 0 and p = cap. Newton steps on the sum, which is convex without a cap so that they
-    end; with one, bisections where they leave the bracket, and after a few.
+    Pressures p <= 0 and p = cap are not shifted. The shift is found by Newton steps on the sum;
+    without a cap the sum is convex in the shift, and they converge. With a cap a step is replaced
+    by a bisection if it leaves the bracket, and after `_NEWTON_STEPS`.
 
-    Returns that and a factor to multiply with: one, but where rounding leaves no shift of that sum.
+    Returns the shift, and a factor on the shifted pressures: 1, unless rounding leaves no shift of
+    this sum.
     """
     low, high, shift, over = -np.inf, min(cap, total), 0.0, total
     if cap < np.inf:
@@ -194,8 +200,8 @@ def leveling(p: Double, total: float, cap: float) -> Any:
 
 @compiled(fastmath=EXTREMES)
 def cut(p: Double, base: Double, moved: Single, leveled: tuple[float, float], cap: float) -> float:
-    """Shift and scale what `leveling` does, cut all at 0 and cap, and form p - base; returns the
-    largest."""
+    """Apply the result of `leveling` to p, cut p at 0 and cap, and set `moved` to p - base; returns
+    the largest |p - base|."""
     shift, factor = leveled
     largest = 0.0
     for i in range(p.size):

@@ -1,4 +1,4 @@
-"""What a certificate bounds: the errors of the load at equal separation and of the contact area."""
+"""Bounds from a certificate: errors of the load at equal separation and of the contact area."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ AREA_OVER_LOAD_ERROR = 3.0
 (docs/development/verification.md)."""
 
 _DECIDED_LENGTH = 3.0
-"""Length that decides whether a point is closed, over the error of the level, from which on it is
-known: the certificate weights points by their pressure, and leaves light ones a larger error."""
+"""A point counts as surely open or closed if its gap, or its displacement by its own pressure, is
+this many times the error of the level: the certificate weights points by their pressure, so that
+points of small pressure have a larger error."""
 
 _LEVEL_PARTS = 8
-"""Parts of the error of the level within which points open or close together: points of equal
-places on a lattice do."""
+"""Number of steps in the error of the level; points within one step open or close together, such as
+equivalent points of a lattice."""
 
 
 def load_error(problem: ContactProblem, outcome: Outcome) -> float:
@@ -31,10 +32,10 @@ def load_error(problem: ContactProblem, outcome: Outcome) -> float:
 
     Notes
     -----
-    A certificate e is relative to the rms height h, so that the level of the contact may be off
-    by e h, and the load by the factor e h k with k = -d ln F/ds: that of the contact as it is,
-    or F/U (`_past_error`), whichever is larger. In full contact of a periodic cell no load changes
-    the separation: the load is off by what that prescribed is missed by.
+    A certificate e is relative to the rms height h, so that the level of the contact may be off by
+    e h, and the load by the part e h k with k = -d ln F/ds. For k the larger of two values is
+    taken: that of the stiffness of this contact, and F/U (`_past_error`). In full contact of a
+    periodic cell no load changes the separation: the error is that of the prescribed load.
     """
     now = outcome.stiffness * problem.level.heights.size / max(outcome.reading.total, 1e-300)
     now = _level_error(outcome) * now if math.isfinite(now) else 0.0
@@ -42,17 +43,18 @@ def load_error(problem: ContactProblem, outcome: Outcome) -> float:
 
 
 def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]:
-    """Bound on the relative error of the contact area at equal load [-]: three times that of
-    the load by F/U, or what points do that open or close together, and one pixel; and that of
-    one pixel alone. The area of small patches, corrected for their edges, is less than that of
-    their pixels, each of which is a larger share of it.
+    """Bound on the relative error of the contact area at equal load [-], and the part of one pixel.
+
+    The bound is one pixel plus the larger of two errors: `AREA_OVER_LOAD_ERROR` times that of the
+    load by F/U, and the area of points that may open or close together. One pixel is taken over the
+    corrected area, which is smaller than that of the pixels.
 
     Notes
     -----
-    On a lattice of equal hills, and on single waves, whole rings of points around all contacts
-    are as far from contact, so that the area changes by steps of many pixels. The largest step
-    near the solution counts in full. On random maps points open and close one by one; where of
-    those that are not known more would open than close, too many carry next to nothing still.
+    On a lattice of equal hills, and on single waves, whole rings of points around all contacts are
+    equally far from contact, so that the area changes by steps of many pixels: the largest step
+    near the solution counts in full. On random maps points open and close one by one: what counts
+    is how many more of the unsure points would open than close.
     """
     pixels = outcome.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
     if pixels == 0.0:
@@ -67,22 +69,24 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     closes = _by_length(gap[~pressed] - reading.level, far)
     opening, closing = max(opens.max(), opens.sum() - closes.sum()), closes.max()
     leap = float(max(opening / max(pixels - opening, 1.0), closing / pixels))
-    grain = 1.0 / pixels
-    return max(AREA_OVER_LOAD_ERROR * _past_error(problem, outcome), leap) + grain, grain
+    one = 1.0 / pixels
+    return max(AREA_OVER_LOAD_ERROR * _past_error(problem, outcome), leap) + one, one
 
 
 def _by_length(lengths: NDArray[np.float64], far: float) -> NDArray[np.int64]:
-    """Number of points that are decided by lengths [units], up to the farthest, in equal steps."""
+    """Histogram of `lengths` [units] from 0 to `far`, in equal steps."""
     steps = round(_DECIDED_LENGTH * _LEVEL_PARTS)
     near = np.maximum(lengths[lengths < far], 0.0) / (far / steps)
     return np.bincount(np.minimum(near.astype(np.int64), steps - 1), minlength=steps)
 
 
 def _past_error(problem: ContactProblem, outcome: Outcome) -> float:
-    """Relative error of the load by k = F/U, with the work done U = int_s F ds', elastic and
-    plastic: an upper bound of k wherever it falls with the load, as it does at light loads of rough
-    surfaces and of every body that is blunt at its tip. That of the certificate in a periodic cell
-    that touches all over, pressed everywhere by more than the level is off."""
+    """Relative error of the load by k = F/U, with the work U = int_s F ds', elastic and plastic.
+
+    F/U is an upper bound of k = -d ln F/ds wherever k falls with the load, as it does at light
+    loads of rough surfaces and of every blunt body. In full contact of a periodic cell, where every
+    point is pressed by more than the error of the level, it is the load error of the certificate.
+    """
     reading = outcome.reading
     total, work = reading.total, 0.5 * reading.moment + reading.plastic_work
     error = _level_error(outcome)

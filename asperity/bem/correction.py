@@ -1,4 +1,6 @@
-"""Outer defect correction: exact residual, contact problem on the candidates, and again."""
+"""Outer iteration of the solver (defect correction): the exact residual in float64, then a contact
+problem on the candidate points with an approximate operator, and again.
+"""
 
 from __future__ import annotations
 
@@ -20,34 +22,35 @@ from .split import SplitOperator
 __all__ = ["Level", "Outcome", "PoorPredictionError", "PressureOrigin"]
 
 _FIRST_BAND = 0.15
-"""Gap over the length scale below which points are candidates in the first correction, times the
+"""In the first correction points are candidates up to this gap, over the length scale and over the
 error (at most 1)."""
 
 _LATER_BAND = 2.0
-"""Gap over the length scale, times the error, below which points are candidates later."""
+"""In later corrections points are candidates up to this gap, over the length scale and the error.
+"""
 
 _WIDEST_BAND = 0.05
-"""Bound of the band of later corrections."""
+"""Largest gap of candidates in later corrections, over the length scale."""
 
 _LONGEST_LIST = 0.2
-"""Share of the grid by which the candidates of a predicted pressure may outnumber the points that
-it presses: a longer list costs more than a start from coarser grids."""
+"""Largest number of candidates of a predicted pressure without pressure, over the points of the
+grid: a longer list costs more than a start from coarser grids."""
 
 _LIST_SHARE = 0.3
-"""Error to reach on the list over the tolerance: the rest is left to the approximate operator, and
-equivalent runs (mirrored, moved) agree the closer."""
+"""Error to reach on the list, over the tolerance: the rest is the error of the approximate
+operator. A smaller value makes equivalent runs (mirrored, moved) agree more closely."""
 
 _MAX_CORRECTIONS = 60
-"""Corrections of one load at most."""
+"""Most corrections of one load."""
 
 _MAX_IDLE = 6
-"""Corrections in a row that hardly lower the error, after which the solution has stagnated."""
+"""Successive corrections that hardly lower the error after which the solution has stagnated."""
 
 _MAX_INNER = 200
-"""Iterations on the list within one correction."""
+"""Most iterations on the list within one correction."""
 
 _SMALL_GRID = 128 * 128
-"""Points up to which the transform of the whole grid is cheaper than the split operator."""
+"""Points of a grid up to which its whole transform is cheaper than the split operator."""
 
 
 class PoorPredictionError(Exception):
@@ -55,20 +58,20 @@ class PoorPredictionError(Exception):
 
 
 class PressureOrigin(Enum):
-    """Where the pressure comes from that a grid is solved from.
+    """Origin of the pressure that the solve of a grid starts from.
 
     Attributes
     ----------
     GIVEN
-        From anywhere.
+        Any pressure.
     PROLONGED
-        From a coarser grid: it is corrected in any case, as points about the contact that carry
-        next to nothing make its area too large.
+        Interpolated from a coarser grid. It is corrected at least once: points about the contact
+        that carry next to nothing make its area too large.
     PREDICTED
-        From the loads before, possibly negative in places, with its displacement: it is corrected
-        in any case, and the first correction needs no transform.
+        Extrapolated from the loads before, with its displacement; it may be negative in places. It
+        is corrected at least once, and the first correction needs no transform.
     SOLVED
-        From this load at a larger tolerance, with its displacement.
+        Solution of this load at a larger tolerance, with its displacement.
     """
 
     GIVEN = "given"
@@ -79,23 +82,23 @@ class PressureOrigin(Enum):
 
 @dataclass
 class Outcome:
-    """How the outer iteration on one grid ended.
+    """Result of the outer iteration on one grid; the solution is the state of its operator.
 
     Attributes
     ----------
     reading
-        The certificate and what was read with it.
+        Certificate and sums over the solution.
     iterations
-        Conjugate-gradient steps spent.
+        Number of conjugate-gradient steps.
     tolerance
         Bound on the certificate that was asked for.
     converged, reason
-        Whether it was met, and why not.
+        Whether the certificate is within the tolerance, and if not, why.
     stiffness
-        Slope of the mean of p~ over the level (`contact_stiffness`) [-]; zero where not asked for.
+        Slope of the mean of p~ over the level (`contact_stiffness`) [-]; zero if not computed.
     contact
-        Raw area [m^2], corrected area [m^2] and number of patches (`read_contact`); zero where not
-        asked for.
+        Raw area [m^2], corrected area [m^2] and number of patches (`read_contact`); zero if not
+        computed.
     """
 
     reading: Reading
@@ -108,8 +111,10 @@ class Outcome:
 
 
 class Level:
-    """One grid of the nested solver: heights [m], shape (ny, nx), the exact operator, whose
-    `pressure` is the state, with a largest pressure p~ [m], and the operators on a list.
+    """One grid of the nested solver.
+
+    It holds the heights [m], shape (ny, nx), the exact operator, whose `pressure` is the state of
+    the solve, and the approximate operators on a list. `cap` is the largest pressure p~ [m].
 
     Attributes
     ----------
@@ -143,9 +148,9 @@ class Level:
     ) -> Outcome:
         """Correct the pressure until each entry of its certificate is within the tolerance.
 
-        Prescribed is the level u - h of the contact [m], `offset`, or without one the mean of p~
-        [m], `load`. A predicted pressure that is too far off stays as it was predicted, and raises
-        PoorPredictionError.
+        Either `offset`, the level u - h of the contact [m], is prescribed, or else `load`, the mean
+        of p~ [m]. A predicted pressure that is too far off is left unchanged, and
+        PoorPredictionError is raised.
         """
         mean = load if offset is None else None
         iterations = 0
@@ -197,7 +202,7 @@ class Level:
         error: float,
         first: bool,
     ) -> tuple[ContactList, NDArray[np.float64], NDArray[np.float64]]:
-        """The candidates, their pressures and their gaps."""
+        """The list of candidates, their pressures and their gaps."""
         width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _LATER_BAND * error)
         level = reading.level if offset is None else max(reading.level, offset)
         threshold = level + width * reading.scale
@@ -220,7 +225,7 @@ class Level:
         error: float,
         tolerance: float,
     ) -> int:
-        """One solve on the list of candidates; returns the iterations spent."""
+        """Solve once on the list of candidates; returns the number of iterations."""
         points, values, gap = listed
         operator = self.operator(points)
         if offset is not None:
@@ -249,7 +254,8 @@ class Level:
         return found
 
     def operator(self, points: ContactList) -> SplitOperator | FullGridOperator:
-        """The cheaper operator for the grid, on a list; the sharper one after idle corrections."""
+        """The cheaper operator for the grid, on a list; after idle corrections the more accurate
+        one."""
         if self._careful or self.heights.size <= _SMALL_GRID:
             if self._full is None:
                 self._full = FullGridOperator(self.exact)
@@ -262,10 +268,10 @@ class Level:
 
 
 def _next_error(error: float, wanted: float, sharpest: float) -> float:
-    """Error to ask of one correction on the way to the wanted one.
+    """Error to ask of the next correction, on the way from `error` to `wanted`.
 
-    The fewest corrections that can reach it, none reducing the error more than `sharpest`, reduce
-    it by the same factor each: more would be lost to the approximate operator.
+    One correction can reduce the error to the part `sharpest` at best, because its operator is an
+    approximation. The least number of corrections is taken, each with the same factor.
     """
     if error <= wanted:
         return wanted

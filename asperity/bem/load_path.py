@@ -24,50 +24,54 @@ from .problem import ContactProblem
 __all__ = ["NO_LIMIT", "LoadPath", "follow_chains", "split_loads", "stopping"]
 
 NO_LIMIT = math.inf, math.inf
-"""Accuracy in load and area of a path that keeps to the tolerance of its problem."""
+"""Accuracy in load and area of a path on which every load has the tolerance of the problem."""
 
 _LEAST_LOADS = 8
-"""Loads from which on there are two chains."""
+"""Least number of loads for two chains."""
 
 _LEAST_POINTS = 200 * 200
-"""Grid points from which on there are two chains."""
+"""Least number of grid points for two chains."""
 
 _LOAD_COST = 5.0
 """Extra cost of the heaviest load, over the cost of a load near zero."""
 
 _START_COST = 2.0
-"""Cost of the first load of a chain, which starts from coarser grids."""
+"""Cost of the first load of a chain, which starts from coarser grids, over that of one near zero.
+"""
 
 _AIM = 0.9
-"""Error aimed at, over the one allowed: it changes a little on the way."""
+"""Error aimed at over the error allowed: the ratio of error and tolerance changes a little."""
 
 _LEAST_SHARE = 0.3
-"""Share of the accuracy left to the certificate where a pixel alone would take more of it."""
+"""Least share of the accuracy in area for the certificate, however much of it one pixel takes."""
 
 _MOST_TIMES = 5
-"""How often a load is solved further."""
+"""Most times that a load is solved to a smaller tolerance."""
 
 _SMALLEST_TOLERANCE = 1e-11
 """Smallest tolerance that an accuracy leads to."""
 
 _LARGEST_RATIO = 4.0
-"""Ratio of two loads above which the next starts from coarser grids."""
+"""Ratio of two loads above which the second starts from coarser grids."""
 
 _FEW_POINTS = 50_000
-"""Points under pressure up to which the state of no load supports the secant."""
+"""Points under pressure up to which the state at no load is a point of the secant."""
 
 _LARGEST_STEP = 3.0
-"""Step over the distance of the last two loads above which there is no extrapolation."""
+"""Step over the difference of the last two loads, above which the last state is scaled instead of
+extrapolated."""
 
 
 def split_loads(shares: NDArray[np.float64], points: int) -> list[range]:
-    """Chains of loads, given over the largest and ascending, that take about the same time; one on
-    a grid of few points, and for few loads.
+    """Split ascending loads into two chains that take about equal time.
+
+    `shares` are the loads over the largest. There is one chain for few loads or on a grid of few
+    points.
 
     Notes
     -----
-    The rule does not look at the number of threads, so that the results do not depend on it.
-    A load of share s costs about 1 + 5 s, the start of a chain in the middle 2.
+    The split does not depend on the number of threads, so that the results do not either. A load of
+    share s costs about 1 + `_LOAD_COST` s, the start of the second chain `_START_COST`.
     """
     n = len(shares)
     if n < _LEAST_LOADS or points < _LEAST_POINTS:
@@ -100,7 +104,7 @@ def follow_chains(
 
 @contextlib.contextmanager
 def stopping(stop: threading.Event) -> Iterator[None]:
-    """Set `stop` where what is done fails."""
+    """Set `stop` if the body raises."""
     try:
         yield
     except BaseException:
@@ -116,18 +120,19 @@ class LoadPath:
     problem
         Map, material and boundary, planned.
     accuracy
-        Relative errors allowed in load and area: where the certificate leaves more, a load is
-        solved further, to a smaller tolerance than that of the problem, with which the next load
-        begins. The first one begins with that which its coarser grid would need.
+        Relative errors allowed in load and area. If the certificate allows larger errors, a load is
+        solved again to a smaller tolerance, with which the next load begins. The first load begins
+        with the tolerance that its coarser grid would need.
 
     Notes
     -----
-    The displacement is linear in the pressure, so that the gap of an extrapolated pressure is
-    known exactly without a transform; negative pressures are repaired by the first correction.
-    The older state is kept in single precision.
-    The state of no load, p = u = 0, is the first support of the secant while the contact has few
-    points; a secant so long costs more on many than a start from the coarser grids. So does a step
-    to more than four times the load, and any whose prediction turns out to be poor.
+    The next state is extrapolated by the secant through the last two. The displacement is linear in
+    the pressure, so that the gap of an extrapolated pressure is known exactly without a transform;
+    the first correction repairs negative pressures. The older state is kept in single precision.
+
+    While the contact has few points, the state at no load, p = u = 0, is the first point of the
+    secant. With many points a secant from there costs more than a start from the coarser grids; so
+    does a step to more than `_LARGEST_RATIO` times the load, or a poor prediction.
     """
 
     def __init__(self, problem: ContactProblem, accuracy: tuple[float, float] = NO_LIMIT) -> None:
@@ -170,14 +175,14 @@ class LoadPath:
         return outcome
 
     def _sharpened(self, outcome: Outcome, load: float, offset: float | None) -> Outcome:
-        """Solve further until load and area are known to the accuracy: mostly once, again where
-        points open or close together."""
+        """Solve to smaller tolerances until load and area are within the accuracy: usually once,
+        more often where many points open or close together."""
         for _ in range(_MOST_TIMES if self._accuracy < NO_LIMIT else 0):
-            area, grain = area_error(self.problem, outcome)
+            area, pixel = area_error(self.problem, outcome)
             error = load_error(self.problem, outcome), area
-            if max(error[0], area - grain) <= 0.0 or not outcome.converged:
+            if max(error[0], area - pixel) <= 0.0 or not outcome.converged:
                 break
-            tolerance = self._needed_tolerance(outcome, error[0], area - grain, grain)
+            tolerance = self._needed_tolerance(outcome, error[0], area - pixel, pixel)
             met = error[0] <= self._accuracy[0] and area <= self._accuracy[1]
             if met or tolerance >= outcome.tolerance:
                 break
@@ -186,10 +191,10 @@ class LoadPath:
             outcome.iterations += spent
         return outcome
 
-    def _needed_tolerance(self, outcome: Outcome, load: float, area: float, grain: float) -> float:
-        """Tolerance at which load and area would be within the accuracy, where an outcome leaves
-        such errors, of the area beside that of a pixel; the next load begins with it."""
-        allowed = max(self._accuracy[1] - grain, _LEAST_SHARE * self._accuracy[1])
+    def _needed_tolerance(self, outcome: Outcome, load: float, area: float, pixel: float) -> float:
+        """Tolerance at which load and area would be within the accuracy; the next load begins with
+        it. The outcome has the errors `load`, and `area` plus `pixel`, the error of one pixel."""
+        allowed = max(self._accuracy[1] - pixel, _LEAST_SHARE * self._accuracy[1])
         over = max(load / self._accuracy[0], area / allowed)
         if not 0.0 < over < math.inf:
             return outcome.tolerance
@@ -198,7 +203,7 @@ class LoadPath:
         return tolerance
 
     def _two_known(self) -> bool:
-        """Whether there are two states to extrapolate from."""
+        """Whether there are two states for the secant; that at no load counts (`_FEW_POINTS`)."""
         return self._means[0] > 0.0 or self._points <= _FEW_POINTS
 
     def _copied(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -207,7 +212,7 @@ class LoadPath:
         return exact.pressure.astype(np.float32), exact.displacement.astype(np.float32)
 
     def _forecast(self, offset: float) -> float:
-        """Load at a level, if it goes on growing exponentially with it; zero if not known."""
+        """Load at a level, extrapolated exponentially with the stiffness; zero if not known."""
         last = self._means[1]
         if last <= 0.0 or self._stiffness == 0.0:
             return 0.0
@@ -227,7 +232,7 @@ class LoadPath:
             by_rows(extrapolate, field.shape, field, old, *shares)
 
     def _remember(self, outcome: Outcome) -> None:
-        """Take the solution as the next support of the secant."""
+        """Keep the solution as the last point of the secant."""
         mean = outcome.reading.total / self.problem.hm.heights.size
         self._means = (self._means[1] if self._old is not None else 0.0, mean)
         self._level, self._stiffness = outcome.reading.level, outcome.stiffness

@@ -1,4 +1,4 @@
-"""How much memory boundary elements take, and whether it is there."""
+"""Estimate of the memory of boundary elements, and a check that it is available."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from surfaces.numerics.memory import available_bytes
 __all__ = ["estimated_bytes", "fits", "require_memory"]
 
 _BYTES_PER_POINT = {"periodic": 60, "free": 70}
-"""Estimate of `estimated_bytes` where the share in contact is not known, by boundary."""
+"""Bytes per point if the area fraction is not known, by boundary."""
 
 _OF_CONTACT = {"periodic": (22, 110), "free": (40, 60)}
-"""The same of one load: at light contact, and more by how much at full contact."""
+"""Bytes per point of one load at light contact, and their increase up to full contact."""
 
 
 def estimated_bytes(shape: tuple[int, int], boundary: Boundary, share: float | None = None) -> int:
