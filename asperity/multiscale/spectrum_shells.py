@@ -1,4 +1,4 @@
-"""The waves of a map in shells of equal wave number, and the map of those of the inner shells."""
+"""The Fourier waves of a map in shells of wave number, and the map of the waves up to a shell."""
 
 from __future__ import annotations
 
@@ -23,22 +23,24 @@ __all__ = ["Shells"]
 Array = NDArray[np.float64]
 Waves = NDArray[np.complex128] | Array
 Columns = Callable[[int], Iterator[tuple[int, Waves]]]
-"""Gives the waves in blocks of columns up to one: the first column of each, and the block."""
+"""Function of a number of columns that gives the waves of these in blocks: the first column of each
+block, and the block."""
 
 MOST_COLUMNS = 32
 """Most columns whose cosine transforms are made at a time."""
 
 LEAST_SIDE_POINTS = 96
-"""Least points of the shorter side of the grid of the longer waves."""
+"""Least number of points along the shorter side of the grid of the longer waves."""
 
 ROUNDING = 1e-12
-"""What shells lack of their width, relative. Every second wave along an axis of a map with its
-mirror images lies between two shells: it belongs to the outer one in every unit of length."""
+"""Relative reduction of the width of a shell. Every second wave along an axis of a map with its
+mirror images lies between two shells: with it such a wave belongs to the outer shell whatever the
+unit of length."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shells:
-    """The waves of a map told apart by their numbers.
+    """The Fourier waves of a map in shells of equal width in wave number.
 
     Attributes
     ----------

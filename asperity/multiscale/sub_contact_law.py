@@ -1,5 +1,5 @@
-"""Waves too short for contacts of their own: their law, and the whole surface at a state of the
-contacts.
+"""Sub-contact roughness: the law of waves too short for contacts of their own, and the load point
+of the whole surface at a state of the contacts of the longer waves.
 """
 
 from __future__ import annotations
@@ -24,35 +24,35 @@ Array = NDArray[np.float64]
 
 
 LOAD_STEP = 0.02
-"""Change of the load, relative, over which energies are compared."""
+"""Relative change of the load for the central differences of `surface_point`."""
 
 MOST_CLOSED = 0.9
-"""Share of the map up to which the bearing curve is followed, which has no end at full contact:
-load points beyond half of it are refused, but a search may pass through them."""
+"""Area fraction up to which the bearing curve is evaluated; at 1 it is infinite. Load points beyond
+0.5 are refused, but a search may pass through them."""
 
 
 @dataclass(frozen=True)
 class SubContactLaw:
-    """Random waves too short for contacts of their own, within the contacts of the longer ones.
+    """Law of random fine waves within the contacts of the longer waves.
 
     Parameters
     ----------
     shortest
-        Shortest wave [m] that was kept for contacts.
+        Length [m] of the shortest of the longer waves.
     ratio
-        Variance of the pressure that presses the fine waves flat over that of the longer ones.
+        Variance of the pressure that presses the fine waves flat, over that of the longer waves.
     variance
-        The former, V [Pa^2].
+        Variance V [Pa^2] of the pressure that presses the fine waves flat.
     energy
         Elastic energy e per area [J/m^2] of the fine waves pressed flat.
     number
-        Their mean wave number [1/m], that of their pressure over that of their energy.
+        Mean wave number [1/m] of the fine waves: the ratio of their V to their e, as of one wave.
     m
         Exponent of the grading of the body.
     rms
-        Rms height [m] of the longer waves, and of all.
+        Rms height [m] of the longer waves, and of all waves.
     hardness
-        Pressure [Pa] that the contacts bear at most.
+        Largest pressure [Pa] that the contacts bear.
     fitted
         Constants of the law.
 
@@ -60,22 +60,25 @@ class SubContactLaw:
     -----
     In full contact a wave h_q has the pressure h_q / L(q), with the compliance L = c q^(m - 1) / E
     (docs/development/half_space.md; c = 2 for m = 0): V = <p^2> = sum |h_q|^2 / L^2, e = sum
-    |h_q|^2 / 2 L, so for m = 0 V = E*^2/4 <|grad h|^2>. Fine waves spread the pressures of a
-    contact, which leave it where they come to zero (Persson 2001). Those of a rough contact of mean
-    pressure p follow Rayleigh's distribution of scale s = sqrt(2/pi) p; of its area there remains,
-    and per area is stored,
+    |h_q|^2 / 2 L, so for m = 0 V = E*^2/4 <|grad h|^2>.
 
-        A/A0 = 1 / sqrt(1 + b),   Phi = e arsinh(sqrt(b)) / sqrt(b),   b = g V / s^2,
+    *Area.* Fine waves spread the distribution of the pressures of a contact; the contact opens
+    where the pressure would be zero (Persson 2001). The pressures of a rough contact of mean
+    pressure p have a Rayleigh distribution of scale s = sqrt(2/pi) p. The share of its area that
+    stays closed, and the complementary energy Phi = int u dp of the local gap u per area, are
 
-    Phi = int u dp being the complementary energy of the local gap u. Of the area of a contact of
-    radius a the waves part it as if V were V x^2 / (x^2 + `fitted.seen`^2), x being a times their
-    number. Contacts about to open spread less than V: g = g0 + (1 - g0) P^2, with P the share of
-    the nominal area in contact, here the mean of that with and without the fine waves; Wang &
-    Mueser (2017) have g0 = 5/9, boundary elements give 0.50 to 0.63 (`fitted.spread`) and 0.4 to
-    0.66 for m = 0.3 to -0.3. All were found without microcontacts, from the pressures of solutions
-    of the longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves
-    (docs/development/sub_contact_roughness.md). To first order in the fine waves a load F lifts the
-    flat by d(sum Phi)/dF; boundary elements give
+        A/A0 = 1 / sqrt(1 + b),   Phi = e arsinh(sqrt(b)) / sqrt(b),   b = g V / s^2.
+
+    In a contact of radius a, x = a times the mean wave number, V acts on the area as
+    V x^2 / (x^2 + `fitted.seen`^2). Contacts about to open spread less than V: g = g0 + (1 - g0)
+    P^2, where P is the area fraction (here the mean of those with and without the fine waves). Wang
+    & Mueser (2017) have g0 = 5/9; boundary elements give 0.50 to 0.63 (`fitted.spread`), and 0.4 to
+    0.66 for m = 0.3 to -0.3. All was fitted without microcontacts, to the pressures of solutions of
+    the longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves
+    (docs/development/sub_contact_roughness.md).
+
+    *Lift.* To first order in the fine waves a load F lifts the flat by d(sum Phi)/dF. Boundary
+    elements give
 
         (1 + c (1 - P)^n) d(sum Phi)/dF + c' max(z - z0, 0) (rms of all - rms of the longer waves),
 
@@ -83,13 +86,13 @@ class SubContactLaw:
     waves as heights. c = `fitted.lift`, n = `fitted.lift_power`, c' = `fitted.tops`, z0 =
     `fitted.tops_from`.
 
-    With a hardness H contacts keep p/H of their area at least, and c with 1 - c^3 = (1 - e^3)
-    (1 - (p/H)^3) in all, e being the share above. Of the lift of elastic contacts of the same areas
-    there remains the load over that of elastic contacts which close as much: F/F_e e/c, F_e being
-    the load of the former and e what these close. The longer waves may still be elastic (F = F_e)
-    where the fine ones have yielded (e < c). In place of the rest stands the lift of the bearing
-    curve of a random surface, z times the difference of both rms heights. As the load falls, spots
-    that have yielded answer as elastic ones of their areas, whose load is larger by c/e.
+    *Hardness.* With a hardness H contacts keep at least p/H of their area. If elastic ones keep the
+    share e, these keep c with 1 - c^3 = (1 - e^3) (1 - (p/H)^3). The elastic part of the lift is
+    (F/F_e) (e/c), where F_e is the load of elastic contacts of the areas of the longer waves. The
+    longer waves may still be elastic (F = F_e) where the fine ones have yielded (e < c). The rest
+    of the lift is that of the bearing curve of a random surface: z times the difference of the rms
+    heights. As the load falls, yielded spots respond as elastic spots of their areas, whose load is
+    larger by c/e.
     """
 
     shortest: float
@@ -104,23 +107,23 @@ class SubContactLaw:
 
     @property
     def spread(self) -> float:
-        """g0 [-]."""
+        """g0 of the notes [-]."""
         fitted = self.fitted
         plain = fitted.spread + fitted.more_spread * self.ratio / (1.0 + self.ratio)
         graded = 1.0 - fitted.graded_spread[0] * self.m - fitted.graded_spread[1] * self.m**2
         return plain * graded
 
     def remaining(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
-        """Share of contacts of mean pressure p [Pa] and area [m^2] that stays closed; `share` is P.
+        """Share c of the area of contacts that stays closed, at their mean `pressure` p [Pa].
 
-        A contact is taken as far wider than the fine waves if no area is given.
+        `share` is P. Without an `area` [m^2] contacts are much wider than the fine waves.
         """
         closed = self.elastic_share(pressure, share, area) ** 3
         yielded = np.minimum(np.asarray(pressure) / self.hardness, 1.0) ** 3
         return np.asarray(np.cbrt(closed + yielded * (1.0 - closed)))
 
     def elastic_share(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
-        """`remaining` without a hardness."""
+        """Share e of the area of elastic contacts that stays closed; arguments of `remaining`."""
         unseen = self.fitted.seen**2 * np.pi / (self.number**2 * np.asarray(area, float))
         opening = self._opening(pressure, share) ** 2 / (1.0 + unseen)
         return np.asarray(1.0 / np.sqrt(1.0 + opening))
@@ -131,7 +134,7 @@ class SubContactLaw:
         return np.asarray(self.energy * np.arcsinh(root) / root)
 
     def lift(self, first: float, share: float) -> float:
-        """Lift [m] of elastic contacts, `first` to first order, where the share P is closed."""
+        """Lift [m] of elastic contacts at the area fraction P; `first` is d(sum Phi)/dF [m]."""
         fitted = self.fitted
         height = fitted.lift * (1.0 - fitted.graded_lift * self.m)
         tops = fitted.tops * (1.0 - fitted.graded_tops * self.m)
@@ -141,12 +144,12 @@ class SubContactLaw:
         return float((1.0 + more) * first + tops * light * (whole - longer))
 
     def bearing_lift(self, share: float) -> float:
-        """Height [m] by which the fine waves raise the bearing curve where it is the share P."""
+        """Height [m] by which the fine waves raise the bearing curve at the area fraction P."""
         longer, whole = self.rms
         return float(-ndtri(min(share, MOST_CLOSED)) * (whole - longer))
 
     def _opening(self, pressure: ArrayLike, share: float) -> Array:
-        """sqrt(b)."""
+        """sqrt(b) of the notes."""
         spread = self.spread + (1.0 - self.spread) * share**2
         scale = np.sqrt(2.0 / np.pi) * np.maximum(np.asarray(pressure, float), 1e-300)
         return np.asarray(np.sqrt(spread * self.variance) / scale)
@@ -154,7 +157,7 @@ class SubContactLaw:
 
 @dataclass(frozen=True)
 class SurfacePoint:
-    """A load point of the whole surface.
+    """Load point of the whole surface, with all its waves.
 
     Attributes
     ----------
@@ -165,7 +168,7 @@ class SurfacePoint:
     stiffness
         Minus the slope of mean pressure over separation [Pa/m].
     unloading
-        The same as the load begins to fall; with a hardness contacts then keep their areas.
+        Stiffness [Pa/m] as the load begins to fall; contacts at the hardness keep their areas.
     """
 
     separation: float
@@ -181,18 +184,18 @@ def surface_point(
     area: float,
     highest: float,
 ) -> SurfacePoint:
-    """The point of the whole surface that belongs to a state of its contacts, those of all waves if
-    there is no law of finer ones.
+    """Load point of the whole surface at a state of the contacts.
 
-    The fine waves leave an area [m^2] closed. The flat stands no higher than the highest point of
-    the whole surface above its mean plane [m].
+    Without a `law` the contacts are those of all waves, and the state is that of the surface.
+    `area` [m^2] is what the fine waves leave closed. The flat stands no higher than `highest` [m],
+    the height of the highest point of the whole surface above its mean plane.
 
     Notes
     -----
-    The lift d(sum Phi)/dF is taken along the answer of all contacts to a small fall of the flat
-    (the tangent of the coupled problem), by central differences. It falls as the load grows. Of a
-    rough solve the differences can say otherwise: contacts that its last step has opened are left
-    at no approach, where half a step on all of them bear and half a step back none.
+    d(sum Phi)/dF is a central difference along the response of all contacts to a small fall of the
+    flat (the tangent of the coupled problem). The lift falls as the load grows; a change of the
+    other sign (`bend`) is set to zero. It can come from a rough solve: contacts that its last step
+    has opened have no approach, so that all of them bear a step further and none a step back.
     """
     stiffness = unloading = state.normal_stiffness
     hard = population.material.hardness < np.inf
@@ -213,8 +216,8 @@ def surface_point(
     fall = LOAD_STEP * state.mean_pressure / stiffness
 
     def twin(step: float) -> tuple[float, float, float, float]:
-        """Energy stored by the fine waves in elastic contacts of the same areas, their load, that
-        of the contacts, and the share of what these leave closed that the elastic ones would."""
+        """After a fall of the flat by `step` [m]: sum Phi [J] and load [N] of elastic contacts of
+        the same areas, load [N] of the contacts, and e/c."""
         approach = np.maximum(state.approach[closed] + step * gained, 0.0)
         here = contacts(approach)
         kept = here.force > 0
@@ -251,7 +254,7 @@ def surface_point(
 
 
 def closed_areas(population: Population, law: SubContactLaw, state: PopulationState) -> Array:
-    """Area [m^2] of each contact that the fine waves leave closed, shape (n,)."""
+    """Area [m^2] that the fine waves leave closed in each contact, shape (n,)."""
     closed, nominal = np.flatnonzero(state.force > 0), population.nominal_area
     area = np.zeros(len(state.force))
     whole = state.area[closed]

@@ -1,13 +1,13 @@
-"""The finest waves of a map: a grid that shows their summits, or a law of the contacts beyond them.
+"""Treatment of the finest waves of a map: a finer grid, or a sub-contact law.
 
-Summits are found on pixels, and the surface between them is interpolated. Where waves of two to
-four pixels hold much of the slope, summits are missed or come out too low, and so does the load;
-such a map is solved on smaller pixels.
+*Finer grid.* Summits are found on pixels, and the surface between these is interpolated. Where
+waves of two to four pixels hold much of the slope, summits are missed or too low, and the load is
+too low; such a map is solved on smaller pixels.
 
-Contacts confined to basins lose their meaning where basins are as small as the contacts: on a
-spectrum that spans five octaves most do at a few per cent of contact. The waves that are too short
-are then taken out, the rest is solved as contacts of its own summits, and within each of these
-contacts the short waves leave part of the area open and lift the flat.
+*Sub-contact law.* Separate contacts in basins no longer describe a surface whose basins are as
+small as its contacts, as on a spectrum of five octaves at a few per cent of contact. The fine waves
+are then taken out of the map, and the summits of the longer waves are the contacts. Within these
+contacts the fine waves leave part of the area open and lift the flat (`SubContactLaw`).
 """
 
 from __future__ import annotations
@@ -39,18 +39,21 @@ __all__ = ["Split", "chosen_split", "refined_map", "solved_grid", "split_scales"
 Array = NDArray[np.float64]
 
 EMPTY_RMS = 1e-9
-"""Rms height of a finer grid over that of the map below which the grid holds nothing of it."""
+"""Rms height of a finer grid, over that of the map, below which it has lost all waves."""
 
 SURE_BREADTH = 0.9
-"""Share of the breadth at which waves are taken out, up to which some lines of a map can tell that
-it is not reached."""
+"""If the Nayak parameter by some lines of a map is below this part of that at which waves are
+split, the whole spectrum is not computed."""
 
 NARROW_SPECTRUM = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
 
 def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap | str | None:
-    """A map whose finest waves are near the pixel on more points, by its own spectrum; why it was
-    left where these would take too long; None if its own grid holds it, or its tops are flat."""
+    """The map on a finer grid, by Fourier interpolation, if its waves reach the pixel.
+
+    None if its own grid resolves it, or if its tops are flat; a reason if the finer grid would have
+    too many points.
+    """
     waves = parameters.pixel_waves
     if fineness(hm) < waves.to_the_pixel:
         return None
@@ -62,7 +65,8 @@ def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap |
 
 
 def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[Resampled | None, str]:
-    """Map on another grid to solve, with all its waves, and why."""
+    """The map with all its waves on the coarser or finer grid to solve, None for its own grid, and
+    the reason."""
     shape = f"{hm.shape[0]} x {hm.shape[1]}"
     corrections = parameters.corrections
     held = coarse_map(hm) if corrections.coarser_grid else None
@@ -86,14 +90,14 @@ def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[Res
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Split:
-    """A map without its finest waves, and the law of these.
+    """A map split into its longer waves and a law of its fine waves.
 
     Attributes
     ----------
     coarse
-        Map of the longer waves, on a grid that holds it well.
+        Map of the longer waves, on a coarser grid.
     law
-        Law of the finer ones.
+        Law of the fine waves.
     """
 
     coarse: Resampled
@@ -103,16 +107,15 @@ class Split:
 def split_scales(
     hm: HeightMap, material: HalfSpace, parameters: Parameters = DEFAULTS
 ) -> Split | str:
-    """A map without its finest waves, on a grid that holds it well, and the law of those; or the
-    reason to leave the map whole.
+    """Split the waves of a map, or give the reason to leave it whole.
 
     Notes
     -----
-    Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
-    parameter) reaches `breadth`, `fewest_waves` along the side of the map and `kept_slope` of the
-    squared slope at least, and none shorter than `unresolved_pixels` (`parameters.WaveSplit`). The
-    law holds for random waves without lay. A map that is not periodic is taken with its mirror
-    images.
+    The longer waves are those up to the wave number at which their Nayak parameter m0 m4 / m2^2
+    reaches `breadth`; they are more if needed to have `fewest_waves` along the side of the map or
+    `kept_slope` of the squared slope, and none is shorter than `unresolved_pixels`
+    (`parameters.WaveSplit`). The law holds for random waves without lay. A map that is not periodic
+    is taken with its mirror images.
     """
     bounds, near_pixel = parameters.wave_split, parameters.pixel_waves
     if abs(material.m) > bounds.grading:
@@ -146,7 +149,7 @@ def split_scales(
 def chosen_split(
     hm: HeightMap, material: HalfSpace, coupled: bool, scales: str, parameters: Parameters
 ) -> tuple[Split | None, list[str]]:
-    """Whether the finest waves are taken out, and why."""
+    """The split of the waves of a map, None if it is solved with all waves, and the reasons."""
     if scales != "auto":
         return None, ["scales: all, as asked"]
     if not coupled:
@@ -165,14 +168,14 @@ def chosen_split(
 
 
 def _shell(waves: float, hm: HeightMap) -> int:
-    """Shell of which so many waves fit the side of the map."""
+    """Shell of the wave that fits the side of the map `waves` times."""
     return round(waves * max(hm.size) / math.sqrt(hm.area))
 
 
 def _law(
     shells: Shells, last: int, material: HalfSpace, parameters: Parameters
 ) -> SubContactLaw | None:
-    """Law of the waves beyond the shell `last`; None where these are hardly any."""
+    """Law of the waves beyond the shell `last`; None if they hold hardly any of the slope."""
     sums = shells.sums
     if sums[last, 1] > (1.0 - parameters.wave_split.least_slope) * sums[-1, 1]:
         return None
@@ -192,7 +195,7 @@ def _law(
 
 
 def _breadth(hm: HeightMap) -> float:
-    """Breadth of the spectrum of a map whose waves have no direction, from some of its lines."""
+    """Nayak parameter m0 m4 / m2^2 of an isotropic map, from some of its lines."""
     turns = np.zeros((2, 2))  # mean squares of slope and curvature along y and x
     for mean, power, length in zip(turns, hm.line_power, hm.size, strict=True):
         number = np.arange(power.size) * (2.0 if hm.periodic else 1.0) * np.pi / length
