@@ -219,9 +219,10 @@ def measure(args: argparse.Namespace) -> list[dict[str, Any]]:
     names = [n for n in CORRECTIONS if not args.only or any(part in n for part in args.only)]
     if not names:
         raise SystemExit(f"no correction is called {args.only}; there are {[*CORRECTIONS]}")
-    warm = True
+    warm, others = True, set()
     for scene in scenes(args.maps):
         if args.families and not any(part in scene.family for part in args.families):
+            others.add(scene.family)
             continue
         exact = reference(scene, args.references)
         groups[scene.family] = scene.group
@@ -238,6 +239,8 @@ def measure(args: argparse.Namespace) -> list[dict[str, Any]]:
             f"{100 * worst(load):.2f} area {100 * worst(area):.2f} %",
             flush=True,
         )
+    if not groups:
+        raise SystemExit(f"no family is called {args.families}; there are {sorted(others)}")
     return [
         row(name, family, group, found_[name, family], found_["", family])
         for name in names

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -83,3 +84,13 @@ def test_the_code_of_every_row_of_the_ablation_is_there(monkeypatch):
     from ablation import lines_of
 
     assert all(lines_of(row.objects) for row in rows.values())
+
+
+def test_a_family_of_the_ablation_that_is_none_is_named(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[4] / "benchmarks")
+    import ablation
+
+    monkeypatch.setattr(ablation, "scenes", lambda maps: [SimpleNamespace(family="worn")])
+    args = SimpleNamespace(only=[], families=["wrn"], maps=None)
+    with pytest.raises(SystemExit, match=r"no family is called \['wrn'\]; there are \['worn'\]"):
+        ablation.measure(args)
