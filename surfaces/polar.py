@@ -95,7 +95,8 @@ class PowerSumProfile:
 
 
 class PowerLawProfile(PowerSumProfile):
-    """Power-law profile f(r, phi) = r^k psi(phi): the self-similar body (equation 31).
+    """Power-law profile f(r, phi) = r^k psi(phi): the self-similar body (Popov, Li &
+    Willert 2023, equation 31).
 
     Parameters
     ----------

@@ -38,7 +38,8 @@ class LawRow:
 
     Where the law does not hold, the solution is None and `reason` says why. The errors of force
     (e_F), contour (e_a, root mean square over the angle, relative to the mean radius) and area
-    (e_A) are at the same approach, or at the same load (equations 44, 45); that of the force is
+    (e_A) are at the same approach, or at the same load (Popov, Li &
+    Willert 2023, equations 44, 45); that of the force is
     zero at the same load, and that of the approach (e_d) at the same approach. The run time [s]
     includes the contour.
     """

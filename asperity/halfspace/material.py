@@ -111,7 +111,7 @@ class HalfSpace:
 
     @property
     def elastic(self) -> HalfSpace:
-        """The same body without a hardness."""
+        """This half-space without a hardness."""
         if self.hardness == math.inf:
             return self
         body = object.__new__(type(self))
@@ -133,7 +133,7 @@ class HalfSpace:
 
 
 def _grading_factor(m: float, nu: float) -> float:
-    """h(m, nu) of E_m* = E h / (1 - nu^2); 1 at m = 0 (equation 13)."""
+    """h(m, nu) of E_m* = E h / (1 - nu^2); 1 at m = 0 (Popov, Li & Willert 2023, equation 13)."""
     if m == 0:
         return 1.0
     beta = math.sqrt((1 + m) * (1 - m * nu / (1 - nu)))
@@ -185,7 +185,7 @@ def _exponent(value: float) -> float:
 
 
 def require_half_space(material: object) -> None:
-    """Refuse what is no half-space, such as a bare modulus."""
+    """Refuse an argument that is not a `HalfSpace`, such as a bare modulus."""
     if not isinstance(material, HalfSpace):
         raise InputError(
             f"an asperity.HalfSpace is needed, not {type(material).__name__}: "

@@ -1,11 +1,10 @@
 """Compiled loops over the rays of sampled profiles, one profile at a time.
 
-Laws "paper" and "harmonic": the expansion about a circle, whose equations are those of
-`single.circle` (published: 22-25, 49, 50; harmonic by harmonic: theory, section 5), radial
-integrals by a Gauss-Jacobi rule and angular ones by sums over rays; `resample` turns values over
-radii into the columns of a law table. Law "ritz": the Barber-Fabrikant functional, stationary over
-rays a <= edge (`single.ritz`); units of its loops are one length and one height per profile,
-modulus 1.
+Laws "paper" and "harmonic": the expansion about a circle (`single.circle`; Popov, Li & Willert
+2023, equations 22-25, 49, 50; docs/development/laws.md, "harmonic"). Radial integrals are taken by
+a Gauss-Jacobi rule, angular ones by sums over rays; `resample` turns values over radii into the
+columns of a law table. Law "ritz": the Barber-Fabrikant functional (`single.ritz`), stationary over
+rays a <= edge; units of its loops are one length and one height per profile, modulus 1.
 """
 
 from __future__ import annotations

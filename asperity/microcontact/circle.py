@@ -1,4 +1,6 @@
-"""The published and the harmonic-resolved law of all peaks at once."""
+"""Laws "paper" (Popov, Li & Willert 2023) and "harmonic" of all peaks at once: expansions about a
+circle.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +52,7 @@ def tabulate(
     radii: int = 14,
     points: int = 5,
 ) -> LawTable:
-    """Law table of the profiles by the law "paper" (equations 22-25, 49, 50) or "harmonic"
+    """Law table of the profiles by "paper" (Popov et al., equations 22-25, 49, 50) or "harmonic"
     (harmonic by harmonic, with the second-order force and area); see `laws.tabulate`.
 
     Notes

@@ -1,4 +1,8 @@
-"""The first-order solution about the circle: as published, and resolved harmonic by harmonic."""
+"""Laws "paper" and "harmonic" of one contact: first-order solutions about the circle.
+
+"paper" is that of Popov, Li & Willert (2023), whose equations are cited here; "harmonic" resolves
+every harmonic.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +43,7 @@ class Expansion:
     Attributes
     ----------
     approach
-        D(a) [m] (equation 22, 49).
+        D(a) [m] (equations 22, 49).
     slope
         a D'(a) [m].
     first, second

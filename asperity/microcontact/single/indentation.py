@@ -135,9 +135,10 @@ class Indentation:
         x, y
             Coordinates relative to the summit (broadcast).
         history
-            Integrate over all earlier contacts (equations 28, 51) in place of stretching the
-            axisymmetric field to the contour (29, 52); slower, equal for power laws. The law
-            "harmonic" does so in any case where the shape of the contact changes with load.
+            Integrate over all earlier contacts (Popov, Li & Willert 2023, equations 28, 51) instead
+            of stretching the axisymmetric field to the contour (equations 29, 52): slower, equal
+            for power laws. The law "harmonic" always does so if the shape of the contact changes
+            with load.
 
         Raises
         ------

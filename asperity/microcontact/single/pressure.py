@@ -1,9 +1,9 @@
 """Pressure of one contact: the field about the circle, and the full history integral.
 
-The published field (equations 12, 29, 52) is a sequence of flat punches whose pressure is stretched
-to their contour. That is exact to first order for the second angular harmonic only. On a nearly
-round punch of contour ``a (1 + sum d_n cos n phi)`` the exact first-order field has, for each n,
-the factor
+The published field (Popov, Li & Willert 2023, equations 12, 29, 52) is a sequence of flat punches
+whose pressure is stretched to their contour. That is exact to first order for the second angular
+harmonic only. On a nearly round punch of contour ``a (1 + sum d_n cos n phi)`` the exact
+first-order field has, for each n, the factor
 
     1 - (1-m) d_n cos(n phi) q_n(rho),   q_n(rho) = (rho^n - rho^2) / (1 - rho^2),
 
@@ -56,7 +56,7 @@ _FEW = 500
 
 @dataclass(frozen=True, eq=False)
 class AxisymmetricPressure:
-    """Pressure p(r) [Pa] under the mean profile (equations 28, 51 without the history).
+    """Pressure p(r) [Pa] under the mean profile (equations 28, 51 of a round contact).
 
     Notes
     -----

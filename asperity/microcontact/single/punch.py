@@ -1,4 +1,4 @@
-"""Rigid flat punches of star-shaped planform (equations 7, 8, 12, 14)."""
+"""Rigid flat punches of star-shaped planform (Popov, Li & Willert 2023, equations 7, 8, 12, 14)."""
 
 from __future__ import annotations
 

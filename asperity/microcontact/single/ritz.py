@@ -1,10 +1,11 @@
 """Law "ritz" of one contact: direct maximization of the Barber-Fabrikant functional.
 
-F[a] = 2 E / J int [d a^2 / (1+m) - a^2 G~(a, phi)] dphi, J = int a^(1-m) dphi (equations 10, 15),
-first over ellipses with a shift, then over every ray. The functional is exact for ellipses about
-their centre only: over free rays it is maximized too far where contacts are elongated (+2.6 % in
-force at a curvature ratio of 10, +8.5 % at 30), and its value depends on the origin. Where the free
-rays of a narrow contact do not settle, an ellipse nearly as good stands.
+F[a] = 2 E / J int [d a^2 / (1+m) - a^2 G~(a, phi)] dphi with J = int a^(1-m) dphi (Popov, Li &
+Willert 2023, equations 10, 15) is maximized first over ellipses with a shift, then over every ray.
+The functional is exact for ellipses about their centre only: over free rays its maximum is too
+large where contacts are elongated (+2.6 % in force at a curvature ratio of 10, +8.5 % at 30), and
+its value depends on the origin. Where the free rays of a narrow contact do not converge, the best
+ellipse is taken if it is nearly as good.
 """
 
 from __future__ import annotations
@@ -61,8 +62,8 @@ _NEAR, _NARROW = 0.9, 0.35
 from which on it stands for rays that do not settle; below, the contact is no narrow ellipse."""
 
 _LOST = 1.001
-"""The same from which on the rays are lost: an ellipse is one choice of them. What they would have
-added is then not known, nor where a contact ends with the tables."""
+"""Value of the best ellipse over that of the free rays, above which the search for the rays has
+failed: an ellipse is one choice of rays. The error is then NaN, as where the tables end."""
 
 _SMALLEST = 8.0
 """Logarithm of the limit over the smallest ellipse."""
