@@ -40,7 +40,7 @@ def tile(radius, grid, place, stride, weights, sums):
     """Stencil sums of the 16 points from a flat offset of the grid on, into `sums`.
 
     grid, weights and sums are flat float32 arrays; weights hold the quadrant of the stencil,
-    (radius + 1)**2 values from its center on.
+    (radius + 1)**2 values from its centre on.
     """
     folded = carray(_rows(), (_ROWS,))
     weighted = carray(_rows(), (_ROWS,))

@@ -128,6 +128,6 @@ def stencil_symbol(
 
 
 def quadrant(stencil: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Quadrant of a symmetric stencil from its center on, flat, as compiled stencils read it."""
+    """Quadrant of a symmetric stencil from its centre on, flat, as compiled stencils read it."""
     radius = stencil.shape[0] // 2
     return stencil[radius:, radius:].astype(np.float32).ravel()

@@ -31,7 +31,7 @@ FOOTPRINT_GROWTH = 1.3
 """The near pairs of a list reach as far as footprints at this multiple of the present approach."""
 
 SAMPLED_CONTACTS = 1000
-"""Contacts from which the widest footprint and the mean distance from the centers are estimated."""
+"""Contacts from which the widest footprint and the mean distance from the centres are estimated."""
 
 ELONGATED_SHARE = 0.5
 """Share of the second moment along an elongated footprint that the near pairs allow for; beyond the
@@ -39,14 +39,14 @@ near pairs footprints are round. The list changes the load at 25 % of contact by
 4:1, by 0.3 % with 6:1 (by 5 and 18 % if it allows for round footprints only; seed 1)."""
 
 LARGEST_DISTANCE = 0.06
-"""Largest mean distance between points and centers of contacts, over the contact radius."""
+"""Largest mean distance between points and centres of contacts, over the contact radius."""
 
 PAIR_LIST_SKIN = 0.15
 """Largest distance of a point from its place when the near pairs were listed, over the split length
 of `Interaction`."""
 
 LARGEST_FIELD_ERROR = 1e-3
-"""Largest error of the load, as a share of it, by the distance between points and centers in the
+"""Largest error of the load, as a share of it, by the distance between points and centres in the
 slope of the field."""
 
 MANY_CONTACTS = 5000
@@ -57,12 +57,12 @@ ERROR_PER_TOLERANCE = 0.1
 """The error bounded by `LARGEST_FIELD_ERROR` may be this part of the tolerance, if that is more."""
 
 LARGEST_LEAPING_LOAD = 0.02
-"""Largest share of the load on contacts whose centers leap farther than the skin. Beyond it the
+"""Largest share of the load on contacts whose centres leap farther than the skin. Beyond it the
 list is made anew for the new places."""
 
 RETURNING_SHARE = 0.5
 """Share of its way that a point moves if it moves back: contacts on one ridge can pass their load,
-and with it their centers, back and forth."""
+and with it their centres, back and forth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,12 +178,12 @@ class CandidateList:
     def recentred(
         self, system: ContactSystem, rows: Rows, values: Array, tolerance: float
     ) -> CandidateList | None:
-        """The list with each point moved to the center of its contact, as the laws give it at the
+        """The list with each point moved to the centre of its contact, as the laws give it at the
         `Point.values` of the summits `rows`.
 
-        Returns the list itself if the points are near enough to the centers for the `tolerance`;
+        Returns the list itself if the points are near enough to the centres for the `tolerance`;
         None if a new list is needed: the footprints have outgrown the near pairs, or the points
-        are too far from the centers even after they moved as far as the near pairs allow. A few of
+        are too far from the centres even after they moved as far as the near pairs allow. A few of
         many contacts may leap farther, to another top of their basin: they do not call for a new
         list, which would be as wrong when they leap back.
         """
@@ -228,7 +228,7 @@ class CandidateList:
         approach: Array,
         *tilt: Array,
     ) -> bool:
-        """Whether points are too far from the centers of their contacts: by `LARGEST_DISTANCE` in
+        """Whether points are too far from the centres of their contacts: by `LARGEST_DISTANCE` in
         the mean, or so that the slope `tilt` of the field over this distance changes the load by
         more than the share `bound`."""
         centre = system.table.centre_at(closed, approach)

@@ -53,7 +53,7 @@ class ContactSystem:
         (n,), of the summits; round footprints if not given.
     parameters
         Constants of the model, and its switches. With `contact_shift` coupled contacts stand at the
-        centers that their laws give, and move under the slope of their neighbors' field; with
+        centres that their laws give, and move under the slope of their neighbors' field; with
         `elongation` footprints are elongated.
 
     Attributes

@@ -39,7 +39,7 @@ MAX_LISTS = 8
 """Largest number of new lists at one separation, deeper ones or ones for moved contacts."""
 
 FIRST_TOLERANCE = 0.1
-"""Tolerance of the very first solve: its candidates and their centers are guessed."""
+"""Tolerance of the very first solve: its candidates and their centres are guessed."""
 
 LACKING_CANDIDATES = 0.05
 """Overlapping summits that a list may lack after a solve, over closed contacts times tolerance."""

@@ -176,7 +176,7 @@ class Decomposition:
     def labels_at(self, rows: Rows, cols: Rows) -> NDArray[np.int32]:
         """Peak whose basin holds each of the pixels `rows`, `cols` of `hm`; -1 where not flooded.
 
-        The center of a pixel of `hm` may lie on the border between pixels of `solved`: the highest
+        The centre of a pixel of `hm` may lie on the border between pixels of `solved`: the highest
         of these pixels decides.
         """
         labels, heights = self.peaks.labels, self.solved.source

@@ -49,7 +49,7 @@ class Peaks:
     row, col
         Pixel of the summit, shape (n,); for a plateau its pixel nearest to its centroid.
     x, y
-        Center of that pixel [m], shape (n,).
+        Centre of that pixel [m], shape (n,).
     height
         Height of the summit pixel [m], shape (n,).
     prominence

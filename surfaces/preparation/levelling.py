@@ -147,7 +147,7 @@ def _sample(heights: Source) -> tuple[int, NDArray[np.float64]]:
 
 
 def _limits(residual: NDArray[np.float64]) -> tuple[float, float]:
-    """Center of the residuals of a sample, and how far from it points are kept."""
+    """Centre of the residuals of a sample, and how far from it points are kept."""
     sample = residual[~np.isnan(residual)]
     center = float(np.median(sample))
     sigma = _MAD_TO_SIGMA * float(np.median(np.abs(sample - center)))

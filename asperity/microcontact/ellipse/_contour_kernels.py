@@ -129,7 +129,7 @@ def displace(fields, limit, X, system, vector):
     """Displacements x of the contour, and the Newton system of the five parameters of the ellipse.
 
     The parameters change the contour by g = cos^2 t, sin^2 t (logarithms of the semi-axes),
-    sin 2t (turn), cos t, sin t (center). The Newton step fits x by sum_i s_i g_i:
+    sin 2t (turn), cos t, sin t (centre). The Newton step fits x by sum_i s_i g_i:
     `system` = sum w Q g_i g_j, `vector` = sum w Q x g_i over the nodes, of quadrature weights w.
 
     Returns sum w (P x - Q x^2/2), which gives the force in second order; sum w x, which gives the

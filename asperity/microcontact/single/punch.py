@@ -44,7 +44,7 @@ class FlatPunch:
 
     Notes
     -----
-    Fabrikant's field about the chosen origin: exact for ellipses about their center and for every
+    Fabrikant's field about the chosen origin: exact for ellipses about their centre and for every
     m, an estimate for any other planform (1.5 % low for a square, m = 0), and it depends on the
     origin. Put the origin at the centroid.
 
