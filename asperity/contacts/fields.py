@@ -1,7 +1,7 @@
 """Contact map and pressure field of one load point.
 
-The contacts of a state have forces and areas; their shapes are found here from the gap on the
-pixels, each contact keeping its own force and area.
+A state gives the force and the area of each contact. This module finds its shape on the pixels from
+the gap; force and area do not change.
 """
 
 from __future__ import annotations
@@ -29,13 +29,14 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 PRESSURE_CORRECTIONS = 3
-"""Corrections of the pressure by the gap it leaves; more change little."""
+"""Number of corrections of the pressure by the remaining gap; more change little."""
 
 SATURATED_PRESSURE = 0.999
-"""Pressure over the hardness from which on a pixel has yielded: its gap is no error."""
+"""Least pressure over the hardness of a yielded pixel: its gap is no error."""
 
 CORRECTION_RELAXATION = 0.7
-"""Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
+"""Share of a correction that is applied. With 1 the pressure oscillates, by 2 to 4 % of the peak of
+a Hertz contact."""
 
 
 def pressure_map(decomposition: Decomposition, point: LoadPoint) -> Array:
@@ -46,23 +47,27 @@ def pressure_map(decomposition: Decomposition, point: LoadPoint) -> Array:
 def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Index, Index, Array]:
     """Flat index of each pixel in contact, the contact that presses there, and its pressure [Pa].
 
-    A contact whose basin has no pixel's centre has the pixel of its summit, with another contact.
+    A contact whose basin holds no centre of a pixel gets the pixel of its summit, which it shares
+    with another contact.
 
     Notes
     -----
-    Each contact occupies the pixels of its basin with the largest values of a field, as many as
-    fill its area (at least one); its pressure is their excess over the next pixel, scaled to its
-    force, and cut at the hardness, if there is one. The field is the heights at first. With the
-    displacement u = K p of all contacts and the gap g = u - h, the pressure inside the contacts is
-    then corrected to p - 0.7 K^-1 g, where K^-1 ~ q^(1-m) acts on the gap inside the contacts;
-    outside, and with g added where the hardness is reached, the field is -g times the K^-1 of the
-    wave number sqrt(m4/m2) of the map.
+    Each contact occupies the pixels of its basin with the largest values of a field f, as many as
+    fill its area, at least one. Its pressure is f less the f of the next pixel, scaled to its
+    force, and cut at the hardness if there is one. At first f is the height h. With the
+    displacement u = K p of all contacts and the gap g = u - h it is then corrected
+    (`PRESSURE_CORRECTIONS` times) to
 
-    Where the finest waves act as a law of the contacts (`asperity.multiscale`), the pressure K^-1 h
-    that flattens them is added, times sqrt(g0) as in that law, to first order (Persson 2001), and
-    the pixels fill the area that remains in contact. With the standard deviation s of what was
-    added, the pressure over the excess x is sqrt(x^2 + 2 s x), which rises as a square root from
-    the edges of the spots. The last correction is that of the whole map.
+        f = p - 0.7 K^-1 g inside the contacts, K^-1 ~ q^(1-m),
+        f = -g times the K^-1 of the wave number sqrt(m4/m2) of the map outside,
+
+    where pixels at the hardness are treated as outside ones, with g added.
+
+    With a sub-contact law (`asperity.multiscale`) the pressure K^-1 h that flattens the fine waves
+    h is added to f, times sqrt(g0) of that law, to first order (Persson 2001), and the pixels fill
+    the area that the fine waves leave closed. With the standard deviation s of the added pressure,
+    the pressure at the excess x of f is sqrt(x^2 + 2 s x), which rises as a square root from the
+    edges of the spots. The last correction is made on the pixels of the whole map.
     """
     solved, whole, state = decomposition.solved, decomposition.hm, point.state
     if not state.active:
@@ -103,15 +108,16 @@ class _Grid:
     padded, number
         Shape of the transforms, and their wave numbers [1/m].
     symbol, m
-        A wave of pressure p displaces by symbol q^(m-1) p.
+        A pressure wave p of wave number q has the displacement symbol q^(m-1) p.
     hardness
         Largest pressure [Pa].
     closed
-        The contacts with load, shape (c,).
+        Contacts with load, shape (c,).
     pixel, contact
-        Flat index of each pixel of their basins, shape (k,), in their order, and its contact.
+        Flat index of each pixel of the basins of these contacts, sorted by contact, and its
+        contact, shape (k,) each.
     first
-        The first pixel of each, shape (c,).
+        Index in `pixel` of the first pixel of each contact, shape (c,).
     """
 
     hm: HeightMap
@@ -133,7 +139,7 @@ class _Grid:
         hm: HeightMap,
         labels: NDArray[np.int32],
     ) -> _Grid:
-        """Of a map with the peak whose basin holds each pixel."""
+        """The grid of a map; `labels` hold the peak whose basin holds each pixel."""
         free, body = decomposition.plan.boundary == "free", decomposition.material
         ny, nx = (fft.next_fast_len(2 * n, real=True) if free else n for n in hm.shape)
         qy, qx = fft.fftfreq(ny, hm.spacing[0]), fft.rfftfreq(nx, hm.spacing[1])

@@ -21,27 +21,27 @@ __all__ = ["spot_table"]
 
 
 def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.void]:
-    """Table of the separate spots: of those that the column `contacts` of a curve forecasts without
-    pressing any pixel, those that hold one.
+    """Table of the contact spots that hold a pixel; the column `contacts` of a curve counts all.
 
     Contacts that have joined over the passes between them are one spot
     (`asperity.model.load_point.spot_count`), whether or not the neck between them holds a pixel.
-    Where the finest waves act as a law, spots are the patches of the contact map, in which pixels
-    meet at an edge or a corner. Necks break there: the weakest patches beyond those that the curve
-    counts belong to the strongest patch of their contact.
+    With a sub-contact law spots are the patches of the contact map, whose pixels meet at an edge or
+    a corner. There necks can be broken: if there are more patches than the curve counts spots, the
+    weakest are assigned to the strongest patch of their contact.
 
     Returns
     -------
     Structured array, largest spot first, with x, y [m] (centre of the pressure), area [m^2],
-    force [N], mean_pressure, peak_pressure [Pa] and pixels [-]. Forces add up to the load, areas
-    to the contact area of the curve: the pixels of a contact share its area, so that spots of
-    contacts smaller than a pixel have less than one; none bears more than the hardness.
+    force [N], mean_pressure, peak_pressure [Pa] and pixels [-]. Forces add up to the load, areas to
+    the contact area of the curve: the pixels of a contact share its area, so that a spot of a
+    contact smaller than a pixel has a smaller area than its pixel. No spot bears more than the
+    hardness.
 
     Notes
     -----
-    Their number is that of the curve, less the parts that hold no pixel of their own: low summits
-    pressed as one contact with a higher one, and parts by fine waves beyond the patches of the map
-    (6 against 3 at light load, 84 against 76 later, map of 128^2). Against
+    The table has fewer rows than the curve counts spots, by those without a pixel of their own: low
+    summits pressed as one contact with a higher one, and spots parted by fine waves that the map
+    does not part (3 rows of 6 spots at light load, 76 of 84 later, map of 128^2). Against
     boundary elements on the pixels of the map (256 x 320 and 512 x 576, seeds 31, 51 and 77, 0.7 to
     10 % of contact, 15 spots and more) both are within 12 % rms where the spectrum is cut off at 8
     pixels, 18 % at 4 pixels, and 24 % (the table 17 %) where it reaches the pixel.
@@ -91,7 +91,7 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
 
 
 def _shares(even: NDArray[np.float64], least: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Areas [m^2] of pixels, of the same sum as the even ones but none below the least."""
+    """Areas [m^2] of pixels: `even`, changed so that none is below `least` and the sum stays."""
     share = np.maximum(even, least)
     spare = share - least
     excess = share.sum() - even.sum()

@@ -1,4 +1,4 @@
-"""What makes a contact doubtful, for any solver or for laws of summits, before anything runs."""
+"""Map checks before a run: reasons to doubt any solution of a contact, or the laws of summits."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from .material import HalfSpace
 __all__ = ["hardness_needed", "model_warnings", "modulus_warning", "scene_warnings"]
 
 STEEP_SLOPE = 0.5
-"""Rms slope from which on small-slope elasticity is warned of."""
+"""Rms slope above which elasticity for small slopes is doubtful."""
 
 METAL_MODULI = 1e10, 1e12
 """Moduli E* [Pa] between which a body may be a metal."""
 
 HARDEST_METAL = 0.035
-"""Hardness over E* that hardly a metal exceeds: 8 GPa of hardened steel."""
+"""Largest hardness over E* of a metal, that of hardened steel of 8 GPa."""
 
 SOFTEST_SOLID = 1e3
-"""Modulus [Pa] below which it is that of no solid: a soft gel has more."""
+"""Least modulus [Pa] of a solid; a soft gel has more."""
 
 TILTED_SHARE = 0.9
-"""Share of a plane in the variance of heights from which on a tilt is warned of: parts of rough
+"""Least share of a plane in the variance of the heights that counts as a tilt: parts of rough
 surfaces without a longest wave have up to 0.82."""
 
 

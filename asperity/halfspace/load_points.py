@@ -37,10 +37,10 @@ AREA_OVER_LOAD = 2.0
 Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
 
 _LARGEST_LOAD = 1e40
-"""Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
+"""Largest load point [Pa or m], and inverse of the smallest: their squares do not overflow."""
 
 MOST_LOADS = 10_000
-"""Most load points of a curve: between so many, others can be read off it."""
+"""Most load points of a curve; values between so many can be interpolated."""
 
 
 def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
@@ -49,27 +49,27 @@ def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
 
 
 def known_boundary(name: str) -> Boundary:
-    """The name of a boundary; any other is refused."""
+    """The name, if it is that of a boundary; else refused."""
     if name not in get_args(Boundary):
         raise InputError(f'boundary is {name!r}; choose "periodic" or "free"')
     return cast(Boundary, name)
 
 
 def require_scene(hm: object, material: object) -> None:
-    """Refuse what is no height map or no half-space, such as a bare array or a bare modulus."""
+    """Refuse a map that is no `HeightMap`, or a material that is no `HalfSpace`."""
     require_map(hm)
     require_half_space(material)
 
 
 def slope_scale(hm: HeightMap) -> tuple[float, float]:
-    """Root-mean-square slope [-] and the length [m] over which it turns, by finite differences."""
+    """Rms slope [-], and the length [m] over which it turns (`Roughness.length`)."""
     found = hm.roughness
     return found.rms_slope, min(found.length, max(hm.size))
 
 
 def map_facts(hm: HeightMap) -> dict[str, Any]:
-    """What a result holds of its map: name, shape, spacing [m], whether it repeats, rms height [m]
-    and slope [-]."""
+    """Facts about the map that a result stores: name, shape, spacing [m], whether it is periodic,
+    rms height [m] and rms slope [-]."""
     found = hm.roughness
     return {
         "name": hm.name,
@@ -82,19 +82,18 @@ def map_facts(hm: HeightMap) -> dict[str, Any]:
 
 
 def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
-    """Pressure E* h' [Pa] that flattens the roughness, with the modulus met at its own scale.
+    """Pressure E* h' [Pa] that flattens the roughness.
 
-    A graded half-space answers a wave of number q like a homogeneous one of modulus proportional
-    to E_m* q^-m (docs/development/half_space.md), taken here at the length over which the slope
-    turns.
+    A graded half-space responds to a wave of number q like a homogeneous one of modulus ~ E_m* q^-m
+    (docs/development/half_space.md): E* is taken at the length l of `slope_scale`, E_m* l^m.
     """
     slope, length = slope_scale(hm)
     return float(material.modulus * length**material.m * slope)
 
 
 def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> NDArray[np.float64]:
-    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact, below the hardness; a map
-    without slope is refused."""
+    """Mean pressures [Pa] in geometric progression, for about 0.1 % to 10 % of contact, below the
+    hardness. A map without slope is refused."""
     if pressure_scale(hm, material) == 0.0:
         raise InputError("the rms slope of the map gives no scale of pressure; name the loads")
     low, high = np.array([1e-3, 1e-1]) / area_over_pressure(hm, material)
@@ -114,7 +113,11 @@ def area_over_pressure(hm: HeightMap, material: HalfSpace) -> float:
 
 
 def expected_area_fraction(hm: HeightMap, material: HalfSpace, pressure: float) -> float:
-    """Rough forecast of the real contact area fraction at a mean pressure, at most 1."""
+    """Forecast of the area fraction at a mean pressure [Pa], at most 1.
+
+    The form of Persson (2001), erf(sqrt(pi)/2 x), where x is the area fraction of light loads
+    (`area_over_pressure`) extrapolated to this pressure; at least p/H.
+    """
     if pressure_scale(hm, material) == 0.0:
         return 1.0
     light = area_over_pressure(hm, material) * pressure
@@ -128,7 +131,7 @@ def checked_loads(
     separations: ArrayLike | None,
 ) -> tuple[str, NDArray[np.float64]]:
     """Kind ("pressure" or "separation") and values of the load points, by default those of
-    `default_pressures`; what cannot be calculated with is refused."""
+    `default_pressures`. Values that are not finite, negative pressures and the like are refused."""
     require_scene(hm, material)
     if pressures is not None and separations is not None:
         raise InputError("give either pressures or separations, not both")
