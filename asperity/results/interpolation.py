@@ -28,8 +28,8 @@ __all__ = [
 
 
 END_SLACK = 5e-3
-"""Relative distance beyond the ends at which a curve can be evaluated: solved pressures differ from
-those asked for by the tolerance of the solve, and the latter must be within the curve."""
+"""Relative distance beyond its ends at which a curve can be evaluated. Pressures asked for must be
+within the curve, and solved ones differ from them by the tolerance of the solve."""
 
 
 QUESTIONS = {
@@ -250,14 +250,15 @@ def interpolated_misfit(
     misfit: NDArray[np.float64],
     floor: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Misfit at all load points, interpolated between the anchors, and a bound on what that leaves,
-    both of shape (n,).
+    """Misfit at all load points, interpolated between anchors, and a bound on its error, (n,) each.
 
-    The load points have the logarithms `position` of their loads, rising, shape (n,). At the
-    `anchors` (k,), rising, the first and the last point among them, the logarithm of the ratio of
-    the model to boundary elements is the `misfit` (k,). The bound is zero there. Elsewhere it is
-    the largest of half the difference of the two anchors beside the point, of what the
-    interpolation misses either of them by when that one is left out, and of the `floor` (n,).
+    `position` holds the ascending logarithms of the loads, shape (n,). `anchors` (k,) are ascending
+    indices of load points, the first and the last included, and `misfit` (k,) is the logarithm of
+    model over boundary elements there. The bound is zero at anchors; elsewhere it is the largest of
+
+    - half the difference of the misfits at the two anchors beside the point,
+    - the error of the interpolation at either of these anchors if it is left out,
+    - `floor` (n,).
     """
     missed = np.zeros(len(anchors))
     for j in range(1, len(anchors) - 1):
@@ -272,10 +273,10 @@ def interpolated_misfit(
 
 
 def halved_intervals(anchors: NDArray[np.int64], need: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The anchors and one more, in the middle of the interval of the point that needs it most.
+    """The anchors and one more, in the middle of the interval of the load point of largest `need`.
 
-    Anchors are load points, rising, the first and the last among them; `need` says how much each
-    load point needs an anchor near it, zero at anchors, shape (n,).
+    `anchors` are ascending indices of load points, the first and the last included; `need`, shape
+    (n,), is zero at anchors.
     """
     right = int(np.searchsorted(anchors, int(np.argmax(need))))
     return np.union1d(anchors, (anchors[right - 1] + anchors[right]) // 2)
