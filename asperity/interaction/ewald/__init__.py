@@ -1,1 +1,1 @@
-"""Displacements of many footprints: near pairs summed, the smooth part on a mesh."""
+"""Displacements of many footprints: Ewald split into near pairs and a smooth part on a mesh."""

@@ -20,18 +20,18 @@ from . import _mesh_kernels
 __all__ = ["Mesh", "SmoothField", "mesh_of"]
 
 NODES_PER_THREAD = 50_000
-"""Wave vectors that repay a thread of the transform."""
+"""Number of wave vectors above which a transform uses several threads."""
 
 MATRIX_NODES = 100
 """Nodes along each side up to which transforms are products of matrices: they take half the time of
 the library's, and a tenth on 16 nodes. The products of longer ones would use several threads."""
 
 LEAST_NODES = 32
-"""Nodes along each side of a periodic cell at least: with few contacts errors of the mesh, which
-hang on their places between its nodes, do not average out."""
+"""Least number of nodes along each side of a periodic cell: errors of the mesh depend on the places
+of contacts between its nodes, and do not average out over few contacts."""
 
 HIGHEST_WAVE_NUMBER = 13.0
-"""Wave number times eta beyond which the smooth part is nothing (1e-18)."""
+"""Wave number times eta beyond which the smooth part is zero (1e-18)."""
 
 
 class Mesh:
@@ -108,7 +108,7 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class SmoothField:
-    """The smooth part of a field, known at any place without the points that made it.
+    """The smooth part of a field on its mesh, which can be evaluated at any place.
 
     The mesh has its corner (y, x) at `origin` [m] and extends over `size` (y, x), told in the
     length `unit` [m]; it repeats if `wrap`, and `per_step` is one over the distance of its nodes
@@ -125,14 +125,14 @@ class SmoothField:
 
     @functools.cached_property
     def lowest(self) -> float:
-        """Least displacement [m], or zero."""
+        """Least displacement [m] at the nodes, at most zero."""
         return float(self.scale * min(0.0, float(self.values.min())))
 
     def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Displacement [m] at any places [m], shape (n,), without that of near contacts.
+        """Displacement [m] at any places [m], shape (n,), without the near part.
 
-        These add to it, so that it is a lower bound but for the moments. Beyond the points of a
-        free half-space it is taken as zero, as far away.
+        Near contacts add to it, so that it is a lower bound, apart from the moments. Beyond the
+        mesh of a free half-space it is zero.
         """
         frame = self.origin, self.unit, self.size, self.wrap, self.per_step, self.scale
         out = np.empty(len(y))
@@ -147,8 +147,8 @@ def mesh_of(
     nodes: float,
     precision: type,
 ) -> Mesh:
-    """The `Mesh` of these arguments: one kept for all plans of a periodic cell, where a free one
-    has the extent of the points of its own plan."""
+    """The `Mesh` of these arguments. That of a periodic cell is kept for later calls, that of a
+    free half-space not: its extent is that of the points, which changes from list to list."""
     return (_kept if periodic else Mesh)(footprints, size, periodic, nodes, precision)
 
 

@@ -1,4 +1,6 @@
-"""Displacements of many footprints by each other, at nearly linear cost."""
+"""Displacements of many footprints by each other, at nearly linear cost: Ewald split, with the
+smooth part on a B-spline mesh (smooth particle-mesh Ewald method, Essmann et al. 1995).
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,14 @@ from .mesh import Mesh, SmoothField, mesh_of
 __all__ = ["VARIANCE_CAP", "Field", "Interaction"]
 
 CUT_OVER_SPLIT_LENGTH = 2.0
-"""Cut-off of the near pairs over the split length eta."""
+"""Cut-off distance of the near pairs, over the split length eta."""
 
 VARIANCE_CAP = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
 
 PAIRS_ASIDE = 40_000
-"""Near pairs that repay to be summed beside the mesh, on another thread."""
+"""Least number of near pairs that are summed on another thread than the mesh."""
 
 NODES_PER_SPLIT_LENGTH = 1.7
 """Mesh nodes per split length."""
@@ -45,7 +47,7 @@ BEADS[1] /= BEADS[1].sum()
 
 
 class Field(NamedTuple):
-    """Displacement by forces and what belongs to it, at each point.
+    """Displacement by forces, with its derivatives, at each point.
 
     Attributes
     ----------
@@ -71,7 +73,7 @@ class Field(NamedTuple):
 
 
 class Interaction:
-    """Plan of the interaction among points at fixed places.
+    """Near pairs and mesh of the interaction among points at fixed places.
 
     Parameters
     ----------
@@ -268,13 +270,13 @@ class Interaction:
         return found
 
     def holds(self, widest: float) -> bool:
-        """Whether the split length is that of footprints of this variance [m^2], or the largest
-        that so many points have."""
+        """Whether the split length is long enough for footprints of the variance `widest` [m^2], or
+        the largest for this number of points."""
         return long_enough(self.eta, len(self.order), self.sides, self.wrap, widest, self.cut)
 
     def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
-        """The plan of the same pairs with its points a little aside, by `dy` and `dx` [m], shape
-        (n,) in its order. Both share their work space."""
+        """The interaction of these pairs with its points moved a little, by `dy` and `dx` [m],
+        shape (n,) in its order. Both share their working arrays."""
         plan = copy.copy(self)
         steps = dy / self.eta, dx / self.eta
         plan.y, plan.x = (
@@ -289,9 +291,11 @@ class Interaction:
     def shaped(
         self, form: NDArray[np.float64] | None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
-        """Of footprints of moments `form` over their variance: the mean moment, which all pairs
-        take; and what near pairs read besides: half the difference of the principal moments over
-        it, both of shape (n,), and `form` over it by components, (3, n)."""
+        """Numbers of footprints with the second moments `form` over their variance, (n, 3).
+
+        Returns the mean moment, (n,), which all pairs use; for near pairs also half the difference
+        of the principal moments over it, (n,), and `form` over it by components, (3, n).
+        """
         form = self.round if form is None else form
         if form is not self.form[0]:
             size = 0.5 * (form[:, 0] + form[:, 1])
@@ -302,7 +306,7 @@ class Interaction:
 
 
 def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.float64]:
-    """Places in a cell that repeats, or not beyond the border of one that does not."""
+    """Coordinates moved into the cell: by whole periods if it is periodic, else to its border."""
     if not wrap:
         return np.clip(place, 0.0, size)
     if place.min() >= 0.0 and place.max() < size:
@@ -315,7 +319,7 @@ def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.f
 def _tables(
     m: float, limit: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.float32]]:
-    """What the near pairs read of the kernel.
+    """Tables of the kernel for the near pairs.
 
     The first column of `pair_table` in double precision, followed by its rise from node to node,
     shape (2, nodes + 1); all in single, each number with its rise, (3, nodes + 1, 2); and
