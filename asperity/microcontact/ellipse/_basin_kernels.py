@@ -1,7 +1,11 @@
-"""Numba kernels that carry contours on rays to the edges of their basins, eight profiles at once.
+"""Compiled loops that continue contours beyond their expansion, on rays to the edges of the basins.
+
+Each ray grows with its edge operator, e(a) ~ d, and the force is the integral of the stiffness of
+the planform, k = k_ellipse [1 + (1 - m^2)/4 sum (n - 1) e_n^2] (docs/development/laws.md, "Bounded
+by the basin").
 
 Units inside: one length and one height per profile, modulus 1. Arrays are groups of eight numbers,
-one per profile (`_lanes`).
+one per profile (`surfaces.numerics.lanes`).
 """
 
 from __future__ import annotations
@@ -29,13 +33,13 @@ from surfaces.numerics.vectors import entries, root, some, where, whole
 from ._contour_kernels import NODES, place
 
 CELLS = 24
-"""Cells of a ray between which the root of its edge operator is linear."""
+"""Number of cells of a ray; in each the square root of the edge operator is linear."""
 
 MOST_UNEVEN = 1.0
-"""Largest sum (n - 1) e_n^2 over the harmonics of a planform that the correction takes."""
+"""Largest sum (n - 1) e_n^2 that the correction of the stiffness uses."""
 
 _BLOCK = 5
-"""Values of the edge operator summed at a time: a divisor of `CELLS` + 1."""
+"""Number of values of the edge operator summed at a time: a divisor of `CELLS` + 1."""
 
 
 @inner(fastmath=QUOTIENTS)
@@ -61,8 +65,8 @@ def _ray_radius(shape, cx, cy):
 
 @inner(fastmath=QUOTIENTS)
 def _unevenness(radius, rays, lobes):
-    """sum (n - 1) e_n^2 of the amplitudes of harmonics n > 2 over the mean radius, from the sums of
-    the products of radii that lie 0, 1, 2 ... rays apart, which have the weights `lobes`."""
+    """sum (n - 1) e_n^2 over the harmonics n > 2 of the radii, of amplitudes e_n over the mean: the
+    correlations of the radii over lags of 0, 1, 2 ... rays, times the weights `lobes`."""
     found, square = splat(0.0), splat(0.0)
     for p in range(rays):
         r = load(radius, p)
@@ -77,11 +81,11 @@ def _planform(radius, weight, direction, rays, m, punch, out, place_):
     """Area, stiffness and centre of planforms on rays, in four groups of `out`.
 
     `punch` holds the stiffnesses of unit punches over the logarithm of their axis ratio, the first
-    of these, the inverse of their step, and the weights of `_unevenness`.
+    of these logarithms, the inverse of their step, and the weights of `_unevenness`.
 
-    The stiffness is that of the ellipse of equal area and second moments, times the first
-    correction 1 + (1 - m^2)/4 sum (n - 1) e_n^2 for the other harmonics, of amplitudes e_n over
-    the radius of the ellipse. The radii are left in units of that.
+    The stiffness is that of the ellipse of equal area and second moments, times
+    1 + (1 - m^2)/4 sum (n - 1) e_n^2 for the other harmonics, of amplitudes e_n over the radius of
+    the ellipse. Afterwards `radius` is in units of the radius of the ellipse.
     """
     area, mx, my = splat(0.0), splat(0.0), splat(0.0)
     xx, xy, yy = splat(0.0), splat(0.0), splat(0.0)
@@ -154,10 +158,11 @@ def fill(
 ):  # fmt: skip
     """Area, stiffness and centre (levels, 4) of planforms from the levels `last` on.
 
-    On every ray the edge operator grows with the approach from its value at the contour `shape`,
-    the last trusted one, up to its next crossing of that value, and the ray stops at the edge. The
-    root of the operator is linear between equispaced fractions of the ray. `scale` is the unit of
-    q. Without a trusted contour (last = -1) the operator of every ray is the approach.
+    `shape` is the last trusted contour. From there on the edge operator at the end of each ray
+    grows in proportion to the approach: a ray reaches to the first radius at which its operator
+    has this value, at most to the edge of the basin. The square root of the operator is linear
+    between equispaced fractions of the ray. `scale` is the unit of q. Without a trusted contour
+    (last = -1) the operator of every ray equals the approach.
     """
     square, rising, radius = space
     begin = most(last, splat(0.0))

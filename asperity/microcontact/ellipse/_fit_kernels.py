@@ -1,4 +1,4 @@
-"""Compiled loops of the frames of summits, and of their polynomials: fitted, moved, solved for.
+"""Compiled loops that fit polynomials to summits, move them to other axes, and solve small systems.
 
 Eight profiles at once, in groups of eight numbers (`surfaces.numerics.lanes`), in units of one
 height and one length of each. Coefficients run over the monomials of `ellipse_operator.monomials`.
@@ -43,18 +43,17 @@ SMALLEST_RATIO = 1 / 40
 """Least axis ratio of the ellipses on which a summit is fitted."""
 
 SCALES = LANES
-"""Numbers of a profile: length, height, area of the basin in squared lengths, ratio of the rays,
-semi-axes of the first ellipse as logarithms, shortest ray, and 1 where there is a usable fit."""
+"""Numbers of a profile: units of length and height, area of the basin over squared length, ratio of
+the rays, logarithms of the semi-axes of the first ellipse, shortest ray, 1 if the fit is usable."""
 
 _POWER = 0.63
-"""The axis ratio of a Hertzian contact is about this power of the ratio of curvatures."""
+"""Axis ratio of a Hertz contact ~ (ratio of curvatures)^0.63 (`elongation.ASPECT_EXPONENT`)."""
 
 
 @inner(fastmath=QUOTIENTS)
 def move(x0, y0, sine, tangent, out):
-    """Coefficients about (x0, y0) in turned axes, by Taylor shifts and three shears.
-
-    Given are the sine of the turn and the tangent of half of it.
+    """Coefficients about (x0, y0) in axes turned by an angle, in place: Taylor shifts, then three
+    shears, for the `sine` of the angle and the `tangent` of half of it.
     """
     for j in range(DEGREE):
         top = DEGREE - j
@@ -105,7 +104,7 @@ def solve(matrix, vector):
 def _sample(q, rays, nodes, edge, reach, radii, scale, out):
     """scale * f at the falling radii `reach * radii` of rays with q = f/r**2 at equispaced nodes.
 
-    Beyond the edge f goes on with the parabola of its last three values, up to the vertex.
+    Beyond the edge f continues as the parabola through its last three values, up to its vertex.
     """
     last = nodes - 1.0
     for p in range(rays):
@@ -150,12 +149,12 @@ def fit_space(rays: int, radii: int, points: int) -> tuple[Any, ...]:
 def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
     """Least-squares polynomials of summits on nested ellipses.
 
-    `reach[p]` is the length of ray p in the largest ellipse, `wide` are the inverse semi-axes of
-    these, `radii` the radii of the samples on all ellipses relative to the largest; fit s uses
-    `radii[rings[s]]`. `image[b]` are the rays at (+,+), (-,+), (-,-), (+,-) of ray b in
-    the first quadrant, so that the fit falls apart into four parity classes; `matrices[number, c]`
-    gives the coefficients of the monomials `members[c, :count[c]]` from the means of class c at the
-    points. Fills the groups `coefs` of x**i y**j, (NESTED_FITS, monomials).
+    `reach[p]` is the length of ray p in the largest ellipse, `wide` holds its inverse semi-axes.
+    `rules` are the arrays of `FitRules`: fit s uses the samples `radii[rings[s]]`; `image[b]` are
+    the mirror images of ray b, by which the fit separates into four parity classes;
+    `matrices[number, c]` gives the coefficients of the monomials `members[c, :count[c]]` from the
+    means of class c at the points.
+    Fills the groups `coefs` of x**i y**j, (NESTED_FITS, monomials).
     """
     radii, rings, image, matrices, members, count = rules
     value, part, power = space
@@ -199,7 +198,7 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
 
 @inner(fastmath=QUOTIENTS)
 def usable(coefs):
-    """1 where the fits are finite and the smallest ellipse rises across the ridge, else 0."""
+    """1 where all fits are finite and the smallest one is convex across the ridge, else 0."""
     fine = load(coefs, (NESTED_FITS - 1) * TERMS + 5) > 0.0
     for i in range(NESTED_FITS * TERMS):
         fine = fine & (load(coefs, i) < 1e300) & (load(coefs, i) > -1e300)
@@ -260,7 +259,7 @@ def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales
 
 @inner(fastmath=QUOTIENTS)
 def _first_ellipse(coefs, depth, m, scales):
-    """Logarithms of the semi-axes for the paraboloids in the smallest fits."""
+    """Logarithms of the semi-axes of the Hertz contacts of the paraboloids in the smallest fits."""
     o = (NESTED_FITS - 1) * TERMS
     along, across = most(load(coefs, o + 3), splat(1e-300)), most(load(coefs, o + 5), splat(1e-30))
     ratio = most(_POWER * logarithm(along / across), splat(math.log(SMALLEST_RATIO)))

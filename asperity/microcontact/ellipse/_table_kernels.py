@@ -1,8 +1,8 @@
-"""Compiled loops that make rows of a law table from profiles followed about their ellipses.
+"""Compiled loops that make the rows of a law table from the states that `march_rows` found.
 
 Units inside: one length and one height per profile, modulus 1. The columns of a profile over the
-levels are force, stiffness and area, and two of working space. Planforms on rays are found for
-eight profiles at once (`surfaces.numerics.lanes`), the rest one by one.
+levels are force, stiffness, area, and two for working. Planforms on rays are computed for eight
+profiles at once (`surfaces.numerics.lanes`), the rest for one after the other.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from ._basin_kernels import basin_space, fill
 from ._ellipse_kernels import SHAPE_ROW, STATES
 
 WIDTH = 5
-"""Levels from which a slope is taken at most."""
+"""Largest number of levels in the stencil of a slope."""
 
 _BEYOND, _FILLED = 64, 128
 _UNTRUSTED = 0.05
-"""Spread beyond the trusted levels."""
+"""Expected relative error of the force (`LawTable.spread`) beyond the trusted levels."""
 
 
 @inner(fastmath=QUOTIENTS)
 def _second_order_area(state, stiffness):
-    """Contact area whose contour has the stiffness dF/dd to second order.
+    """Contact area to second order, from the stiffness dF/dd of the second-order force.
 
-    The unknown second-order displacement is taken uniform along the contour; the result stays
-    between the ellipse and the first-order contour.
+    The first-order contour is displaced uniformly until its stiffness is dF/dd. The area is kept
+    between those of the ellipse and of the first-order contour.
     """
     ellipse, contour = state[3], state[4]
     uniform = (stiffness - state[1]) / max(state[2], 1e-12)
@@ -41,7 +41,7 @@ def _second_order_area(state, stiffness):
 
 @inner(fastmath=QUOTIENTS)
 def expanded_levels(state, first, last, levels, powers, stencils, p, columns):
-    """Force, stiffness and area at the trusted levels, and below them in proportion.
+    """Force, stiffness and area at the trusted levels, and below them by the law of a paraboloid.
 
     `powers` are levels**p, `stencils[width - 1, start, level - start]` the weights of the slope
     at a level from `width` levels.
@@ -66,12 +66,12 @@ def expanded_levels(state, first, last, levels, powers, stencils, p, columns):
 
 @inner(fastmath=QUOTIENTS)
 def carried_on(filling, last, levels, basin, p, columns):
-    """Force, stiffness and area beyond the level `last`: planforms on rays.
+    """Force, stiffness and area beyond the level `last`, from planforms on rays (`filling`).
 
-    The ratio of the areas of the two descriptions at the last trusted level, kept to what a mended
-    summit can need, fades as the basin fills; the stiffness is that of the planforms at once, and
-    the force its integral. Without a trusted level (-1) the planforms stand alone, from a
-    paraboloid.
+    The area of the planform is multiplied by its ratio to the area of the expansion at the last
+    trusted level, between 1/2 and 2; this factor fades to 1 as the basin fills. The stiffness is
+    that of the planform, and the force its integral. Without a trusted level (-1) the law begins
+    as that of a paraboloid.
     """
     force, stiffness, area, _, _ = columns
     spread, room = 0.0, 1.0
@@ -99,11 +99,12 @@ def carried_on(filling, last, levels, basin, p, columns):
 
 @compiled(fastmath=QUOTIENTS)
 def resampled(columns, levels, powers, resampling, p, made):
-    """Force, stiffness and area at u = nodes: Hermite of force / u**p, convex over u * u.
+    """Force, stiffness and area at u = nodes: Hermite polynomials of force / u**p, made convex over
+    the approach u * u.
 
-    Node j lies between the levels place[j] and place[j] + 1; `hermite[j]` holds the weights of
-    values and slopes in the value, the same in the slope, and the share of the upper level. The
-    last row of `made` (4, nodes) is working space.
+    Node j lies between the levels place[j] and place[j] + 1. `hermite[j]` holds the weights of
+    values and slopes in the value, then in the slope, then the share of the upper level. The last
+    row of `made` (4, nodes) is for working.
     """
     nodes, node_powers, place, hermite = resampling
     force, stiffness, area, scaled, slope = columns
@@ -181,10 +182,10 @@ def tabulate_rows(
     begin, profiles, frames, scales, found, levels, m, modulus, weights, punch, resampling, out,
     space,
 ):  # fmt: skip
-    """Table rows of the profiles from `begin` on, of which `frames`, `scales` and `found` tell.
+    """Table rows of the profiles from `begin` on, from their `frames`, `scales` and states `found`.
 
-    Profiles of which the trust ends at the same level go together; those whose last scale is zero
-    keep rows of zeros.
+    Profiles with the same last trusted level are computed together. Profiles without a fit keep
+    rows of zeros.
     """
     _, angles, all_weights, _, _, qs, _, rays, samples = profiles
     u, powers, stencils = levels
