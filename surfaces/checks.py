@@ -28,42 +28,43 @@ __all__ = [
 Array = NDArray[np.float64]
 
 SPIKE = 3.0
-"""Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
-noise reaches 2.5, a map to the pixel 1."""
+"""Least height of a spike above all its neighbors, in rms heights: noise reaches 2.5, a map that is
+rough to the pixel 1."""
 
 CLIFF = 3.0
-"""Rms step across the seam of a periodic map over the largest between two lines inside from which
-on it is told: random waves have 1."""
+"""Least rms step across the seam of a periodic map, over the largest between two lines inside, that
+is warned of: random waves have 1."""
 
 STRAIGHT = 0.4
-"""Share of the highest points in line with both neighbors from which on heights seem clipped: 0.6
-to 1 of plateaus, leveled or not, and of ridges; 0.2 of steps of a thirtieth of the rms height and
-of the coarsest of eight measured maps."""
+"""Least share of the highest points in line with both neighbors for which heights seem clipped: 0.6
+to 1 on plateaus, leveled or not, and on ridges; 0.2 on steps of a thirtieth of the rms height and
+on the coarsest of eight measured maps."""
 
 STRAIGHT_TO = 1e-6
-"""Second difference of heights over the rms height up to which points are in line: noise of
-rounding is below it, waves of 4 000 points and shorter are above."""
+"""Largest second difference of points in line, over the rms height: rounding is below it, waves of
+4 000 points and shorter are above."""
 
 SAMPLED_LINES = 64
-"""Lines of a map, along each axis, of which differences are taken."""
+"""Number of lines along each axis whose differences are taken."""
 
 LENGTH_OVER_DISTANCE = 6
-"""Length of a line over the longest distance of differences: few longer waves fit it."""
+"""Least length of a line over the distance of differences: few longer waves fit a line."""
 
 KURTOSIS_ERRORS = 2.5
-"""Standard errors that the kurtosis may be off beside what is allowed of the finest waves. Of 1 440
-random maps (Hurst exponents 0 to 1, 192 to 1536 points, with and without roll-off and cut-off) the
-worst is off by 2.2, lattices of 13 x 13 and 9 x 6 waves under fine noise by 3 to 5, hills of
-lognormal heights by 40."""
+"""Standard errors by which the kurtosis may deviate from 3, in addition to the deviation allowed
+for the finest waves. Of 1 440 random maps (Hurst exponents 0 to 1, 192 to 1536 points, with and
+without roll-off and cut-off) the worst deviates by 2.2, lattices of 13 x 13 and 9 x 6 waves under
+fine noise by 3 to 5, hills of lognormal heights by 40."""
 
 HIGHEST_SHARE, SEARCHED_LINES = 0.02, 16
-"""Share of the points that count as the highest, and rows and columns on which they are sought."""
+"""Share of the points that count as the highest; number of rows and of columns searched for them.
+"""
 
 
 def tilt_warning(hm: HeightMap, least: float) -> list[str]:
-    """A plane in the heights; empty where it makes up less than a share `least` of their variance.
+    """Warning of a tilt: of a plane that makes up the share `least` of the variance, or more.
 
-    A periodic map has none: its sides would not meet (`seam_warning`).
+    A periodic map cannot have a tilt: its sides would not meet (`seam_warning`).
 
     Notes
     -----
@@ -120,8 +121,7 @@ def fineness(hm: HeightMap) -> float:
 
 
 def resolution_warning(hm: HeightMap, least: float) -> list[str]:
-    """What a map too coarse for its roughness, of a `fineness` from `least` on, leaves uncertain;
-    empty where its pixels resolve it."""
+    """Warning of a map too coarse for its roughness: of a `fineness` of `least` or more."""
     share = fineness(hm)
     if share < least:
         return []
@@ -134,7 +134,7 @@ def resolution_warning(hm: HeightMap, least: float) -> list[str]:
 
 
 def spike_warning(hm: HeightMap) -> list[str]:
-    """A highest point far above all its neighbors; empty without one."""
+    """Warning of a highest point that stands far above all its neighbors."""
     rms = hm.roughness.rms_height
     around = np.arange(-1, 2)
     places = (
@@ -152,13 +152,13 @@ def spike_warning(hm: HeightMap) -> list[str]:
 
 
 def constant(hm: HeightMap) -> bool:
-    """Whether all heights are equal; read no further than to the first that is not."""
+    """Whether all heights are equal; reads up to the first that differs."""
     first = hm.source[:1, :1]
     return not any((rows != first).any() for _, _, rows in windows(hm.source))
 
 
 def seam_warning(hm: HeightMap) -> list[str]:
-    """A cliff where the sides of a periodic map do not meet; empty without one.
+    """Warning of a periodic map whose sides do not meet.
 
     Notes
     -----

@@ -39,15 +39,15 @@ __all__ = [
 ]
 
 SHORTEST_LENGTH, LONGEST_LENGTH = 1e-35, 1e35
-"""Lengths [m] between which squares of areas and the fourth power of every slope are
-floating-point numbers of all digits: contacts are the same there in any unit."""
+"""Range of lengths [m] in which squares of areas and fourth powers of slopes neither overflow nor
+lose digits, so that results do not depend on the unit."""
 
 LARGEST_NUMBER = 1e100
-"""Numbers up to this, and from its inverse on, have squares and powers that are floating-point
-numbers."""
+"""Largest number, and inverse of the smallest, whose squares and powers do not overflow."""
 
 SLIMMEST_PIXEL = 1e3
-"""Ratio of the pixel sizes beyond which one of them is in another unit: no instrument has it."""
+"""Largest ratio of the pixel sizes: with a larger one, which no instrument has, one of both is in
+another unit."""
 
 
 class AsperityError(Exception):
@@ -67,8 +67,8 @@ class FileFormatError(InputError):
 
 
 def as_number(name: str, value: Any) -> float:
-    """The argument called `name` as a float; what is no single real number is refused, and so is a
-    truth: True is not 1 Pa."""
+    """The argument called `name` as a float. Refused are all but single real numbers, and also
+    booleans: True is not 1 Pa."""
     try:
         if isinstance(value, str | bytes | bool | np.bool_):
             raise TypeError
@@ -78,7 +78,7 @@ def as_number(name: str, value: Any) -> float:
 
 
 def as_positive(name: str, value: Any) -> float:
-    """The argument called `name` as a positive float, of which powers are floats, too."""
+    """The argument called `name` as a positive float whose powers do not overflow."""
     number = as_number(name, value)
     if not 1 / LARGEST_NUMBER <= number <= LARGEST_NUMBER:
         raise InputError(f"{name} is {shown(value)}; it must be positive and finite")
@@ -88,8 +88,8 @@ def as_positive(name: str, value: Any) -> float:
 def as_numbers(
     name: str, values: Any, *, finite: bool = True, copy: bool = True
 ) -> NDArray[np.float64]:
-    """The argument called `name` as an array of any shape; only real numbers are taken, and only
-    `finite` ones where so asked; masked ones become NaN. Without `copy` they may be those given."""
+    """The argument called `name` as an array of real numbers of any shape; masked ones become NaN.
+    With `finite` others are refused. Without `copy` the array given may be returned itself."""
     try:
         given = np.ma.asarray(values)
         mixed = isinstance(values, list | tuple) and any(isinstance(one, bool) for one in values)
@@ -106,8 +106,8 @@ def as_numbers(
 
 
 def as_sizes(name: str, values: Any) -> NDArray[np.float64]:
-    """The argument called `name` as an array of any shape of numbers, each zero or of a size of
-    which powers are floats, too."""
+    """The argument called `name` as an array of any shape, of numbers that are zero or whose powers
+    do not overflow."""
     array = as_numbers(name, values)
     size = np.abs(array[array != 0])
     if np.any((size < 1 / LARGEST_NUMBER) | (size > LARGEST_NUMBER)):
@@ -140,12 +140,12 @@ def shown(value: Any) -> str:
 
 
 def as_text(value: Any) -> str:
-    """A name as a text that every file can hold; what is no text in it becomes "?"."""
+    """A name as text that every file can hold; characters that are no text become "?"."""
     return str(value).encode(errors="replace").decode().replace("\0", "?")
 
 
 def as_path(path: str | os.PathLike[str]) -> Path:
-    """The path of a file; what is none is refused."""
+    """The path of a file; anything but a text or a path is refused."""
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"the path of a file is a text or a path, not {type(path).__name__}")
     return Path(path)
@@ -154,7 +154,7 @@ def as_path(path: str | os.PathLike[str]) -> Path:
 def checked_heights(heights: Any) -> NDArray[np.float64]:
     """Heights [m] as a read-only array (ny, nx), masked entries as NaN.
 
-    What can be changed is copied.
+    A writable array is copied.
     """
     try:
         if np.iscomplexobj(heights):
@@ -179,7 +179,7 @@ def checked_heights(heights: Any) -> NDArray[np.float64]:
 
 
 def checked_range(low: float, high: float, heights: Any) -> None:
-    """Refuse heights [m], shape (ny, nx), whose lowest and highest are those of no map."""
+    """Refuse heights [m], (ny, nx), whose lowest and highest are NaN, infinite or out of range."""
     if math.isnan(low):
         raise SurfaceError("every point of the height map is missing (NaN)")
     if math.isinf(low) or math.isinf(high):
@@ -198,7 +198,7 @@ def checked_range(low: float, high: float, heights: Any) -> None:
 
 
 def checked_history(history: Any) -> tuple[dict[str, Any], ...]:
-    """What was done to a map, a mapping for each step."""
+    """The history of a map as a tuple of mappings, one for each step."""
     try:
         return tuple(dict(step) for step in history)
     except (TypeError, ValueError):

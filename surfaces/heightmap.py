@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["HeightMap", "require_full", "require_map"]
 
 _LINES = 64
-"""Rows that tell of all of a map whether it repeats heights."""
+"""Number of rows that are searched for neighbors of equal height."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +192,7 @@ class HeightMap:
 
     @functools.cached_property
     def repeats(self) -> bool:
-        """Whether neighbors have the same height, as far as some lines tell."""
+        """Whether neighbors of equal height occur on the `_LINES` rows that are searched."""
         step = max(1, len(self.source) // _LINES)
         lines, below = self.source[:-1:step], self.source[1::step]
         return bool((lines[:, 1:] == lines[:, :-1]).any() or (lines == below).any())

@@ -22,13 +22,13 @@ ROW_BANDS = 32
 """Bands of rows whose highest points are kept."""
 
 _LINES = 64
-"""Rows, and columns, that tell of the power of the waves of all of a map."""
+"""Number of rows, and of columns, from which the power of the waves of a map is estimated."""
 
 _SLOPES = (1e-6, 10.0)
 """Rms slopes outside which the units may be wrong."""
 
 _ROUNDED = 1e-3
-"""Rounding of heights over their rms value from which on it is warned of."""
+"""Least rounding of heights over their rms value that is warned of."""
 
 
 @dataclass(frozen=True)
