@@ -1,4 +1,4 @@
-"""A map made one period of an endless surface: mirrored, faded, smoothed, or as it is."""
+"""Maps made periodic: mirrored, tapered, smoothed, or wrapped as they are."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ __all__ = ["make_periodic"]
 PERIODIC = ("mirror", "taper", "smooth", "wrap")
 
 STEEPNESS = 1.0 / 3.0
-"""Rms height over the width of a faded strip, over the rms slope of the map."""
+"""Slope of the taper: rms height over the width of the faded strip, over the rms slope of the map.
+"""
 
 WIDEST_FADE = 0.1
-"""Width of a faded strip over the shorter side of the map, at most."""
+"""Largest width of the faded strip, over the shorter side of the map."""
 
 
 def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> HeightMap:
@@ -110,7 +111,7 @@ def _mirrored(source: Source) -> Iterator[tuple[int, NDArray[np.float64]]]:
 def _faded(
     source: Source, across: NDArray[np.float64], along: NDArray[np.float64]
 ) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Blocks of rows of an array that fades to its mean along y and x."""
+    """Blocks of rows of an array that is tapered to its mean along y and x."""
     total = sum(float(rows.sum()) for _, _, rows in windows(source))
     mean = total / source.size
     for begin, end, rows in windows(source):

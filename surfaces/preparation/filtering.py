@@ -128,7 +128,7 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
 
 
 def _cut(hm: HeightMap, lower: float, upper: float) -> Source:
-    """Heights of the waves between two lengths, and the mean."""
+    """Heights of the waves of lengths from `lower` to `upper` [m], with the mean."""
     fy, fx = _frequencies(hm)
     kept = 0
 
@@ -153,7 +153,7 @@ def _cut(hm: HeightMap, lower: float, upper: float) -> Source:
 
 
 def _smooth(hm: HeightMap, cutoff: float, filter: str) -> Source:
-    """Heights of the long waves of a Gaussian or spline filter."""
+    """Heights of the waves that a Gaussian or spline low-pass filter keeps."""
     fy, fx = _frequencies(hm)
     if filter == "spline":
         share = _spline_share(hm, cutoff, (fy, fx))
@@ -245,7 +245,7 @@ def _free_spline(hm: HeightMap, cutoff: float, shares: Array) -> Array:
 
 
 def _squares_of_differences(count: int) -> tuple[csr_array, csr_array]:
-    """Squares of the first and of the second differences of a line of points, as matrices."""
+    """Matrices D'D of the first and of the second differences D of a line of points."""
     first = diags_array([-1.0, 1.0], offsets=[0, 1], shape=(count - 1, count))
     second = diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(count - 2, count))
     return csr_array(first.T @ first), csr_array(second.T @ second)

@@ -1,4 +1,4 @@
-"""Outliers: points that stand out from the roughness about them become missing."""
+"""Outliers: points that exceed the roughness around them are marked as missing."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ class _Strip(NamedTuple):
 
 
 def _strips(hm: HeightMap, z: Source) -> Iterator[_Strip]:
-    """The map in parts; `z` are its heights without gaps and spikes."""
+    """Strips of the map; `z` holds its heights without gaps and spikes."""
     ny = hm.shape[0]
     for begin, end, rows in windows(hm.source):
         low, high = begin - _AROUND // 2, end + _AROUND // 2

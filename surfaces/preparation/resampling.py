@@ -1,4 +1,4 @@
-"""Maps on other grids: resampled by their spectrum, and the coarsest that holds a smooth map."""
+"""Maps on other grids: Fourier interpolation, and the coarsest grid that holds a smooth map."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ from surfaces.roughness import ROW_BANDS
 __all__ = ["Resampled", "coarse_map", "corner_of", "resample", "resample_waves", "shortest_wave"]
 
 _POINTS_PER_WAVE = 8.0
-"""Points per shortest wave: the contact curve then changes no more than by half a pixel's shift of
-the full grid."""
+"""Points per shortest wave of a coarser grid: it changes the contact curve no more than a shift of
+the full grid by half a pixel."""
 
 _SLOPE_LOST = 2e-3
 """Share of the slope variance that waves shorter than the shortest one may carry."""
 
 _SMOOTH = 2.0
-"""Length over which the slope turns [pixels] below which no coarser grid can hold the map."""
+"""Least length over which the slope turns [pixels] of a map that a coarser grid can hold."""
 
 _WORTH_IT = 0.75
-"""Largest ratio of the points per axis."""
+"""Largest ratio of the points per axis of a coarser grid that is worth its use."""
 
 _LEAST_SIDE_POINTS = 64
-"""Least points of the shorter side of a coarser grid."""
+"""Least number of points along the shorter side of a coarser grid."""
 
 _ROWS = 32
 """Rows transformed at a time."""
 
 _RMS_MISSED, _MOST_MISSED = 5e-4, 5e-3
-"""Rms and largest deviation of the highest point of every block of a map that a coarser grid may
-have, over the rms height."""
+"""Largest rms and largest single deviation of a coarser grid at the highest points of the blocks of
+a map, over the rms height."""
 
 
 def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
@@ -86,14 +86,14 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
 
 
 class Resampled(NamedTuple):
-    """A map of the waves of another one, on other pixels.
+    """A map interpolated to other pixels by its waves.
 
     Attributes
     ----------
     hm
-        The map.
+        The interpolated map.
     corner
-        Where its corner lies on the other map, (y, x) [m]: see `corner_of`.
+        Position (y, x) [m] of its corner on the original map: see `corner_of`.
     """
 
     hm: HeightMap
@@ -101,10 +101,10 @@ class Resampled(NamedTuple):
 
 
 def corner_of(hm: HeightMap, spacing: tuple[float, float]) -> tuple[float, float]:
-    """Corner (y, x) [m] of a grid of other pixels, one of which lies on the highest point of a map.
+    """Corner (y, x) [m] of a grid of other pixels that has one on the highest point of the map.
 
-    What is found on that grid is the same then if the map is moved or mirrored. A map that does not
-    repeat keeps its own corner.
+    Results on this grid then do not change if the map is moved or mirrored. A map that is not
+    periodic keeps its own corner.
     """
     if not hm.periodic:
         return 0.0, 0.0
@@ -124,9 +124,9 @@ def resample_waves(
 ) -> NDArray[np.float64]:
     """Trigonometric interpolation of a periodic array to the cell centres of (ny, nx) pixels.
 
-    Rows first; of the columns only those of waves that are kept are transformed. Of heights without
-    waves that so few cannot hold, every `fewer`-th along y and x is enough, divisors of the shape.
-    The pixels begin at `corner`, in units of the lengths of the array.
+    Rows are transformed first, then the columns of the waves that are kept. If every `fewer`-th
+    element along y and x holds all waves of the array, only these are used; `fewer` divides the
+    shape. The pixels begin at `corner`, in units of the lengths of the array.
     """
     moved = _waves(heights.shape, (ny, nx), fewer, corner)
     (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
@@ -195,7 +195,7 @@ def _cosines(old: tuple[int, ...], new: tuple[int, int]) -> Transform:
 
 
 def coarse_map(hm: HeightMap) -> Resampled | None:
-    """A smooth periodic map on the coarsest grid that holds it; None if that is its own.
+    """A smooth periodic map on the coarsest grid that holds it; None if that is its own grid.
 
     Notes
     -----
