@@ -13,17 +13,20 @@ from . import _list_kernels
 __all__ = ["SPARE_LOAD", "ListOperator", "solve_on_list"]
 
 SPARE_LOAD = 1.05
-"""Load that the points under pressure can bear under a cap, over the prescribed one."""
+"""Load that the listed points could bear at the cap, over the prescribed load: lists hold at least
+as many points as that takes."""
 
 _SHORTEST_STEP = 1e-3
-"""Share of a step, at most as long as the cap, below which one of steepest descent is taken."""
+"""Share of a step, or of the cap if the step is longer, below which a shortened step is replaced by
+one of steepest descent."""
 
 _ENERGY_NOISE, _LOOSEST_NOISE = 0.1, 1e-3
-"""Rise of the energy taken for rounding, over tolerance times load times length scale; and the
-largest tolerance that counts. A larger rise is none of rounding: the iteration would cycle."""
+"""Largest rise of the energy that counts as rounding, over tolerance times load times length scale;
+and the largest tolerance in this bound. After a larger rise the iteration could cycle."""
 
 _STUCK = 0.02
-"""Share of a step that does not lower the energy up to which the next would be cut off, too."""
+"""Share of a step that the bounds leave, below which the next one would be cut too, if the energy
+does not fall: a step of steepest descent follows."""
 
 
 class ListOperator(Protocol):
@@ -55,7 +58,7 @@ def solve_on_list(
     total: float | None,
     cap: float,
 ) -> int:
-    """Change the pressure until it closes the gap on its contact; returns the iterations spent, at
+    """Solve the contact problem on a list of points, in place; returns the number of iterations, at
     most `longest`.
 
     Parameters
@@ -70,23 +73,27 @@ def solve_on_list(
         Length [m], and the error to reach over it: the largest of complementarity, penetration and
         lift.
     total
-        Prescribed sum of p~ [m], positive; None: the gap of the contact shall be zero.
+        Prescribed sum of p~ [m], positive; None: the gap in the contact is prescribed to be zero.
     cap
-        Largest p~ [m]; n times as much bears the load.
+        Largest p~ [m]; n times the cap exceeds the load.
 
     Notes
     -----
-    Active points are those that no bound holds, all but {p = 0, g >= 0} and {p = cap, g <= 0}. On
-    them each iteration takes a preconditioned conjugate-gradient step to the minimum along its
-    direction, in which p may leave its bounds; then pressures are cut, those left are shifted by
-    one value until they bear the load (together the nearest such pressure), and the active points
-    are found anew. Directions stay conjugate meanwhile (Polak-Ribiere): started anew at each
-    change of the active points, they would be those of steepest descent wherever many change.
-    Where the cap holds a pressure, its displacement is part of the gap. A step that raises
-    the energy is shortened until it does not, so that the iteration cannot cycle. One that is cut
-    off, all but next to nothing, is followed by one of steepest descent that no bound cuts: few
-    points that bear the load of many would be cut again and again, and their load shared among all.
-    Only changes of the pressure and of the gap are held in single precision.
+    Projected conjugate gradients (Polonsky & Keer 1999). Active points are all but those held at a
+    bound, {p = 0, g >= 0} and {p = cap, g <= 0}. Each iteration
+
+    1. takes a preconditioned conjugate-gradient step on the active points, to the minimum along the
+       direction; p may leave its bounds;
+    2. cuts the pressures at the bounds, and shifts those between by one value until they bear the
+       load: this is the nearest pressure within the bounds that does;
+    3. shortens the step if it raised the energy, so that the iteration cannot cycle;
+    4. finds the active points anew.
+
+    Directions stay conjugate when the active points change (Polak-Ribiere): with a new start at
+    each change they would be those of steepest descent wherever many points change. A step that the
+    bounds cut to next to nothing is followed by one of steepest descent that no bound cuts. Else
+    few points that bear the load of many would be cut again and again, and their load shared among
+    all. Only changes of the pressure and of the gap are in single precision.
     """
     state = _State(operator, pressure, gap, total, cap)
     accepted, wanted = np.empty_like(pressure), np.empty_like(pressure)

@@ -34,7 +34,7 @@ HEADLINE = (
 """Columns of a curve whose values at the heaviest point that converged are told."""
 
 OF_ONE_RUN = ("model", "input", "boundary", "modulus", "m", "hardness")
-"""Facts of a run that another shares where it continues it."""
+"""Facts in which two runs must agree for one to continue the other."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -156,9 +156,9 @@ class ContactCurve(CurveTable):
     def joined(self, later: ContactCurve) -> ContactCurve:
         """This curve followed by the points of a later run of the same model; times add up.
 
-        Where tangents are known the stiffness is that of all points together. What one of the runs
-        did not find out, such as the difference that interaction makes, is NaN at its points; what
-        either warns of is kept, and the verification of one of them, which is not that of all, not.
+        Where tangents are known, the stiffness is computed anew from all points. Columns that one
+        run lacks, such as `interaction_difference`, are NaN at its points. Warnings of both runs
+        are kept; a verification, which holds for the points of one run only, is dropped.
 
         Raises
         ------
@@ -311,8 +311,8 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile[ContactCurve]:
 
 
 def at_heaviest(curve: ContactCurve) -> dict[str, Any]:
-    """Values at the heaviest load point that converged, and whether and why others did not, of a
-    curve of at least one load point."""
+    """Values at the heaviest load point that converged, whether all converged, and the reason of
+    the first that did not."""
     heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
     columns = curve.columns()
     return {

@@ -38,14 +38,14 @@ QUESTIONS = {
     "separation": ("separation", " m"),
     "area_fraction": ("area_fraction", ""),
 }
-"""Column and unit of what a curve can be read off at."""
+"""Arguments of `ContactCurve.at`: the column of each, and its unit."""
 
 
 LEAST_SPAN = 0.25
-"""Least distance in the logarithm of pressure of the points whose slope is taken."""
+"""Least difference in the logarithm of pressure of two points whose secant is used."""
 
 LARGEST_GAP = 2.5
-"""Largest distance in the logarithm of pressure over which the tangents are integrated."""
+"""Largest difference in the logarithm of pressure over which the tangents are integrated."""
 
 
 _HALVINGS = 60
@@ -165,8 +165,11 @@ def read_off(
 def _inverse(
     places: NDArray[np.float64], values: NDArray[np.float64], wanted: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Where the monotone cubics through rising values are as wanted, and as far beyond their ends
-    as the value is: by bisection, so that what was read off at a place leads back to it."""
+    """Places at which the monotone cubics through ascending values have the values `wanted`.
+
+    Beyond the ends the place goes on with slope one. It is found by bisection to the last digit, so
+    that a value that was interpolated at a place gives back this place.
+    """
     from scipy.interpolate import PchipInterpolator
 
     read = PchipInterpolator(places, values)
@@ -182,8 +185,11 @@ def _inverse(
 def knots_of(
     columns: Mapping[str, NDArray[Any]], converged: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Points of a curve that it is read off between, by rising load: those with load and a smaller
-    separation than all before, so that of full contact the lightest load alone."""
+    """Indices of the points between which a curve is interpolated, in the order of the load.
+
+    They are the points under load whose separation is smaller than that of all lighter ones; in
+    full contact, where the separation stays, only the lightest.
+    """
     pressures, separations = columns["mean_pressure"], columns["separation"]
     usable = converged & (pressures > 0) & np.isfinite(separations)
     order = np.flatnonzero(usable)[np.argsort(pressures[usable])]
@@ -238,7 +244,7 @@ def curve_stiffness(
 
 
 def log_ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Logarithm of a ratio; zero where one of both is zero, infinite or not known."""
+    """Logarithm of a ratio; zero where one of the numbers is zero, infinite or NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.log(one / other)
     return np.where(np.isfinite(found), found, 0.0)
