@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
 from asperity.errors import Flag, InputError
 from asperity.halfspace.material import HalfSpace
@@ -17,6 +16,8 @@ from surfaces.numerics import parallel
 from .law_table import LawTable
 
 if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
     from surfaces.peaks.profiles import Profiles
 
 __all__ = ["EllipticContact", "elliptic_contact", "tabulate"]
@@ -152,6 +153,8 @@ def _mean_excess(
 @lru_cache(maxsize=16)
 def _aspect_curve(m: float) -> CubicSpline:
     """ln(b/a) as a function of the logarithm of the curvature ratio."""
+    from scipy.interpolate import CubicSpline
+
     log_beta = np.linspace(np.log(1e-5), 0.0, 400)
     _, along, across = _integrals(np.exp(log_beta), m)
     return CubicSpline(-np.log(across / along), log_beta)
@@ -160,6 +163,8 @@ def _aspect_curve(m: float) -> CubicSpline:
 @lru_cache(maxsize=16)
 def _unit_curve(m: float) -> CubicSpline:
     """Logarithms of force and semi-axes over that of the curvature ratio, for k1 k2 = d = E = 1."""
+    from scipy.interpolate import CubicSpline
+
     ratio = np.linspace(0.0, -_aspect_curve(m).x[0], 600)
     root = np.exp(ratio / 2)
     contact = elliptic_contact(root, 1 / root, 1.0, HalfSpace.from_modulus(1.0, m))

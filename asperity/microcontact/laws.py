@@ -1,57 +1,43 @@
-"""Contact laws by name: each is a module whose `tabulate` makes the law table of many profiles."""
+"""Contact laws by name: each has a function `tabulate`, the law table of many profiles."""
 
 from __future__ import annotations
 
 import math
-from types import ModuleType
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
 
+from . import auto, circle, hertz, ritz
 from .capped_table import capped_table
+from .ellipse import batch as ellipse
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
 
     from .law_table import LawTable
 
-__all__ = ["LAWS", "elastic_table", "law_module", "require_law", "tabulate"]
+__all__ = ["LAWS", "elastic_table", "require_law", "tabulate"]
 
-LAWS = ("auto", "hertz", "paper", "harmonic", "ellipse", "ritz")
-"""Names of the laws, the default first."""
+TABULATORS: dict[str, Callable[..., LawTable]] = {
+    "auto": auto.tabulate,
+    "hertz": hertz.tabulate,
+    "paper": circle.tabulate,
+    "harmonic": circle.tabulate,
+    "ellipse": ellipse.tabulate,
+    "ritz": ritz.tabulate,
+}
+"""Law table of a batch by each law, ``(profiles, material, *, law, nodes)``, the default first."""
+
+LAWS = tuple(TABULATORS)
+"""Names of the laws."""
 
 
 def require_law(law: str) -> None:
     """Refuse a name that is not that of a law."""
-    if not isinstance(law, str) or law not in LAWS:
-        raise InputError(f"no law is called {law!r}; the laws are {', '.join(LAWS)}")
-
-
-def law_module(law: str) -> ModuleType:
-    """Module of the law called `law`, imported when first used, with
-    ``tabulate(profiles, material, *, law, nodes)``."""
-    require_law(law)
-    match law:
-        case "hertz":
-            from . import hertz
-
-            return hertz
-        case "paper" | "harmonic":
-            from . import circle
-
-            return circle
-        case "ellipse":
-            from .ellipse import batch
-
-            return batch
-        case "ritz":
-            from . import ritz
-
-            return ritz
-    from . import auto
-
-    return auto
+    if not isinstance(law, str) or law not in TABULATORS:
+        raise InputError(f"no law is called {law!r}; the laws are {', '.join(TABULATORS)}")
 
 
 def elastic_table(
@@ -59,7 +45,8 @@ def elastic_table(
 ) -> LawTable:
     """`tabulate` without the hardness. If the half-space has one, the table holds the bearing areas
     from which `capped_table` makes the laws with the hardness."""
-    table: LawTable = law_module(law).tabulate(profiles, material, law=law, **settings)
+    require_law(law)
+    table = TABULATORS[law](profiles, material, law=law, **settings)
     if material.hardness < math.inf:
         table.bearing = profiles.bearing_areas(table.approach())
     return table
