@@ -102,6 +102,7 @@ POPULATION = "asperity.interaction.contact_system.ContactSystem"
 CANDIDATES = "asperity.interaction.candidates.CandidateList"
 SPLIT = "asperity.multiscale.wave_split"
 LAWS = "asperity.model.corrections"
+RAYS = "asperity.microcontact.ray_laws"
 
 CORRECTIONS = {
     **{
@@ -159,7 +160,7 @@ CORRECTIONS = {
             "asperity.microcontact.auto._without_pull",
             "asperity.microcontact.auto._worst_ratio",
             "asperity.microcontact.auto._replace",
-            "asperity.microcontact.ritz",
+            *(f"{RAYS}.{name}" for name in ("tabulate_ritz", "ritz_forces", "_march")),
             "asperity.microcontact._ray_kernels",
         ),
     ),

@@ -17,8 +17,8 @@ from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ellipse import batch as ellipse_batch
 
-from . import circle, ritz
 from .law_table import LawTable
+from .ray_laws import ritz_forces, tabulate_expansion, tabulate_ritz
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
@@ -67,8 +67,8 @@ def tabulate(
     tip, end = profiles.q[:, :, 1], profiles.q[:, :, -1]
     level = np.isinf(ratio) & ((tip > LEVEL_TIP[0] * end) & (tip < LEVEL_TIP[1] * end)).all(axis=1)
     for rows, second in (
-        (np.flatnonzero(level), circle.tabulate),
-        (np.flatnonzero(~level & (ratio > GROSS_DIFFERENCE)), ritz.tabulate),
+        (np.flatnonzero(level), tabulate_expansion),
+        (np.flatnonzero(~level & (ratio > GROSS_DIFFERENCE)), tabulate_ritz),
     ):
         if rows.size:
             other = second(profiles.rows(rows), material, nodes=nodes)
@@ -102,7 +102,7 @@ def _worst_ratio(
 ) -> Array:
     """Largest ratio, 1 or more, of the forces of the table and of `ritz` at `COMPARED_SHARES`."""
     first = table.evaluate(rows[:, None], COMPARED_SHARES * table.reach[rows, None])[0]
-    other = ritz.forces(profiles, material, np.sqrt(COMPARED_SHARES))
+    other = ritz_forces(profiles, material, np.sqrt(COMPARED_SHARES))
     usable = (first > 0) & (other > 0)
     ratio = np.divide(first, other, out=np.ones(first.shape), where=usable)
     return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))

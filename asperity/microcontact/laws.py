@@ -1,4 +1,4 @@
-"""Contact laws by name: each has a function `tabulate`, the law table of many profiles."""
+"""Contact laws by name: each has a function that makes the law table of many profiles."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
 
-from . import auto, circle, hertz, ritz
+from . import auto, hertz
 from .capped_table import capped_table
 from .ellipse import batch as ellipse
+from .ray_laws import tabulate_expansion, tabulate_ritz
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
@@ -23,10 +24,10 @@ __all__ = ["LAWS", "elastic_table", "require_law", "tabulate"]
 TABULATORS: dict[str, Callable[..., LawTable]] = {
     "auto": auto.tabulate,
     "hertz": hertz.tabulate,
-    "paper": circle.tabulate,
-    "harmonic": circle.tabulate,
+    "paper": tabulate_expansion,
+    "harmonic": tabulate_expansion,
     "ellipse": ellipse.tabulate,
-    "ritz": ritz.tabulate,
+    "ritz": tabulate_ritz,
 }
 """Law table of a batch by each law, ``(profiles, material, *, law, nodes)``, the default first."""
 

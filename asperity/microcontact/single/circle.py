@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.circle import expected_error
+from asperity.microcontact.ray_laws import expected_error
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import Basis, PowerBasis, basis_of, samples, synthesis

@@ -7,8 +7,9 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.microcontact import auto, ritz, tabulate
+from asperity.microcontact import auto, tabulate
 from asperity.microcontact.ellipse import batch as ellipse
+from asperity.microcontact.ray_laws import tabulate_ritz
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
 
@@ -32,7 +33,7 @@ def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles, monke
     monkeypatch.setattr(auto, "GROSS_DIFFERENCE", 1.0)
     table = auto.tabulate(profiles, STEEL)
     own = ellipse.tabulate(profiles, STEEL)
-    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.TABLE_INTERVALS)
+    other = tabulate_ritz(profiles, STEEL, nodes=ellipse.TABLE_INTERVALS)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size
     np.testing.assert_array_equal(table.force[taken], other.force[taken])
@@ -67,7 +68,7 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
 
     monkeypatch.setattr(ellipse, "tabulate", without)
     table = auto.tabulate(profiles, STEEL)
-    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.TABLE_INTERVALS)
+    other = tabulate_ritz(profiles, STEEL, nodes=ellipse.TABLE_INTERVALS)
     assert (table.reach[lost] > 0).all()
     np.testing.assert_array_equal(table.force[lost], other.force[lost])
     assert (table.spread[lost] == 1.0).all()
@@ -77,7 +78,7 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
     profiles, monkeypatch
 ):
     monkeypatch.setattr(auto, "GROSS_DIFFERENCE", 1.0)
-    tabulated, nodes = auto.ritz.tabulate, ellipse.TABLE_INTERVALS
+    tabulated, nodes = tabulate_ritz, ellipse.TABLE_INTERVALS
 
     def pulled(*args, **options):
         table = tabulated(*args, **options)
@@ -86,10 +87,10 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
         return table
 
     kept, own = (
-        ritz.tabulate(profiles, STEEL, nodes=nodes),
+        tabulate_ritz(profiles, STEEL, nodes=nodes),
         ellipse.tabulate(profiles, STEEL),
     )
-    monkeypatch.setattr(auto.ritz, "tabulate", pulled)
+    monkeypatch.setattr(auto, "tabulate_ritz", pulled)
     table = auto.tabulate(profiles, STEEL)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size
