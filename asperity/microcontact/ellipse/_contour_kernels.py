@@ -217,7 +217,7 @@ def _mode(c, i, q):
 @inner(fastmath=QUOTIENTS)
 def second_order(X, rows, number, own, forms):
     """Second-order stiffness sum S_ij x_i x_j of the displaced contour, over the parity classes:
-    x_i are its Fourier coefficients, S the forms of `shared_tables`."""
+    x_i are its Fourier coefficients, S the forms of `ellipse_operator`."""
     for n in range(LANES):
         for k in range(FORMS):
             store(own, n * FORMS + k, load(rows, int(number[n]) * WIDTH + TERMS + 2 + k))

@@ -11,6 +11,7 @@ basin. Three compiled passes take a profile from its samples to its row of the t
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from functools import lru_cache
@@ -22,9 +23,18 @@ from numpy.typing import NDArray
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import edge_weights
 from asperity.microcontact.law_table import LawTable
+from surfaces.errors import InputError
 from surfaces.numerics import parallel
 
-from .shared_tables import LANES, LOG_RATIO, between, ellipse_tables, fit_rules
+from .ellipse_operator import (
+    DEGREE,
+    LANES,
+    LOG_RATIO,
+    between,
+    ellipse_tables,
+    monomials,
+    parity_of,
+)
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
@@ -58,6 +68,15 @@ _KEPT = threading.local()
 
 _RATIO_POINTS = 1536
 """Number of axis ratios at which the functional is evaluated."""
+
+_SHRINK = 0.66
+"""Size of each nested ellipse over the next larger one."""
+
+_RINGS = (0, 1, 2, 4, 6)
+"""Radii of the samples of one fit, as powers of sqrt(`_SHRINK`) times its size."""
+
+_SKEW = np.exp(np.linspace(np.log(0.5), np.log(16.0), 36))
+"""Axis ratios of the fitted ellipse over that of the rays; each summit gets the nearest."""
 
 
 def levels_of(nodes: int) -> Array:
@@ -119,22 +138,60 @@ def _lobes(rays: int) -> Array:
     return np.asarray(share @ (n - 1.0))
 
 
+@lru_cache(maxsize=4)
+def _fit_rules(rays: int) -> tuple[Any, ...]:
+    """What the fits of summits on `rays` rays share, a multiple of four, the first along the long
+    axis: axis ratios of the fitted ellipse over that of the rays, and least-squares matrices.
+
+    A summit of a broad spectrum is not one polynomial: it is fitted on several nested ellipses, and
+    the contact law uses the smallest that reaches beyond the contact. The ellipses share their
+    samples, and their axis ratio is rounded to one of a few, so that a fit is the product with a
+    matrix made beforehand.
+    """
+    from ._fit_kernels import NESTED_FITS
+
+    if rays % 4:
+        raise InputError(f"the rays must be mirror images in four quadrants, got {rays} rays")
+    rings = 2 * np.arange(NESTED_FITS)[:, None] + np.array(_RINGS)
+    root = np.sqrt(_SHRINK)
+    used, rings = np.unique(rings, return_inverse=True)
+    rings = rings.reshape(NESTED_FITS, len(_RINGS))
+    base = np.arange(rays // 4 + 1)
+    image = np.stack([base, rays // 2 - base, rays // 2 + base, rays - base], axis=1) % rays
+    share = np.where((base == 0) | (base == rays // 4), 0.5, 1.0)
+    weight = np.repeat(share, len(_RINGS))
+    i, j = monomials(DEGREE)
+    kind = parity_of(DEGREE)
+    classes = [np.flatnonzero((kind == c) & (i + j >= 2)) for c in range(4)]
+    count = np.array([len(c) for c in classes])
+    members = np.zeros((4, count.max(), 3), dtype=np.int64)
+    matrices = np.zeros((_SKEW.size, 4, count.max(), weight.size))
+    turn = 2 * np.pi * base / rays
+    for n, skew in enumerate(_SKEW):
+        x, y = np.cos(turn), skew * np.sin(turn)
+        unit = np.stack([x, y]) / np.hypot(x, y)
+        x, y = (np.multiply.outer(v, root ** np.array(_RINGS)).ravel() for v in unit)
+        for c, rows in enumerate(classes):
+            values = x[:, None] ** i[rows] * y[:, None] ** j[rows]
+            normal = values.T @ (weight[:, None] * values)
+            matrices[n, c, : rows.size] = np.linalg.solve(normal, values.T * weight)
+            members[c, : rows.size] = np.stack([rows, i[rows], j[rows]], axis=1)
+    return _SKEW, (root ** used.astype(float), rings, image, matrices, members, count)
+
+
 @lru_cache(maxsize=8)
 def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
     """Arguments of `fit_rows`, `march_rows` and `tabulate_rows` that depend on m and the grids."""
-    tables, fit = ellipse_tables(m), fit_rules(rays)
+    table, moments = ellipse_tables(m)
     first, last, count = LOG_RATIO
     u = levels_of(nodes)
-    punch = np.ascontiguousarray(tables.rows[:, tables.order.size * LANES + LANES])
+    punch = np.ascontiguousarray(table[:, (monomials(DEGREE)[0].size + 1) * LANES])
     return (
+        _fit_rules(rays),
         (
-            fit.skew,
-            (fit.radii, fit.rings, fit.image, fit.matrices, fit.members, fit.count),
-        ),
-        (
-            _FIRST_STEPS, m, _fine_rows(tables.rows),
-            (float(fit.logs[1]), first, (last - first) / (_RATIO_POINTS - 1), _RATIO_POINTS - 1.0),
-            tables.moments,
+            _FIRST_STEPS, m, _fine_rows(table),
+            (math.log(_SHRINK), first, (last - first) / (_RATIO_POINTS - 1), _RATIO_POINTS - 1.0),
+            moments,
         ),
         (u * u, 2.0 * np.log(u / np.append(u[0], u[:-1]))),
         (u, u ** (3 + m), _stencils(nodes)),

@@ -1,14 +1,18 @@
-"""Exact operator of the elliptic contact on polynomials (Galin).
+"""Exact operator of the elliptic contact on polynomials (Galin), and its tables over axis ratios.
 
 On an ellipse with semi-axes ``a, b`` and scaled coordinates ``xi = x/a, eta = y/b`` a pressure
 ``(1 - rho**2)**((m-1)/2)`` times a polynomial displaces the half-space by a polynomial of the
 same degree and parity. Everything is algebra and products with the Fourier moments of one weight
-per axis ratio.
+per axis ratio. Per monomial of the displacement the tables hold the amplitude of the edge
+singularity at nodes on a quarter of the ellipse, and the second-order effect of a displaced
+contour. A table takes a fraction of a second.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import polynomial
@@ -17,30 +21,40 @@ from scipy.special import eval_jacobi, gamma, roots_jacobi
 
 __all__ = [
     "DEGREE",
+    "LANES",
+    "LOG_RATIO",
+    "between",
     "edge_operator",
+    "edge_slopes",
+    "ellipse_tables",
     "fourier_moments",
     "monomials",
     "parity_of",
     "pressure_operator",
     "product_weights",
-    "punch_moments",
-    "steeper_operator",
 ]
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 DEGREE = 6
 """Default degree of the profile polynomials."""
 
+LANES = 8
+"""Nodes on a quarter of the ellipse in the tables: DEGREE + 1, padded by the last one."""
 
-def monomials(degree: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+LOG_RATIO = (math.log(1 / 80), math.log(2.5), 64)
+"""First and last ln(b/a) of the tables and the number of nodes."""
+
+
+def monomials(degree: int) -> tuple[Index, Index]:
     """Exponents ``i, j`` of x**i y**j up to a degree, ordered by degree and then by j."""
     pairs = [(k - j, j) for k in range(degree + 1) for j in range(k + 1)]
     i, j = np.array(pairs).T
     return i, j
 
 
-def parity_of(degree: int) -> NDArray[np.int64]:
+def parity_of(degree: int) -> Index:
     """Class of each monomial: 0 even-even, 1 odd-odd, 2 odd in x, 3 odd in y."""
     i, j = monomials(degree)
     return np.choose((i % 2) + 2 * (j % 2), [0, 2, 3, 1])
@@ -164,7 +178,7 @@ def _edge_amplitudes(degree: int, operator: Array, nodes: Array) -> Array:
     return out
 
 
-def punch_moments(degree: int, m: float) -> Array:
+def _punch_moments(degree: int, m: float) -> Array:
     """Mean of xi**i eta**j over the ellipse under (1 - rho**2)**((m-1)/2)."""
     i, j = monomials(degree)
     even = (i % 2 == 0) & (j % 2 == 0)
@@ -194,8 +208,131 @@ def pressure_operator(m: float, ratio: float, degree: int = DEGREE) -> Array:
     return np.asarray(np.linalg.inv(operator))
 
 
-def steeper_operator(m: float, ratio: Array, degree: int) -> Array:
-    """Displacement coefficients of the monomials times ``(1 - rho**2)**((m-3)/2)``, finite parts,
-    on ellipses of ``a b = 1`` of axis ratios (n,), shape (n, monomials, monomials)."""
+def _free_fields(
+    m: float, ratio: Array, degree: int, t: Array
+) -> Iterator[tuple[int, Index, Array, list[Array]]]:
+    """Fields ``P (1 - rho**2)**((m-3)/2)``, P a polynomial, that cause no displacement.
+
+    Yields for each parity class: 0 for cosines or 1 for sines; the numbers k of the Fourier modes
+    that P has at the edge; these modes at the parameters t, shape (t, k); the first and the second
+    coefficient of P there in powers of ``1 - rho**2``, shape (ratio, t, k) each.
+    """
+    # displacement by the monomials times (1 - rho**2)**((m-3)/2), finite parts
     transform = _chord_transform_lower(degree, m, _chord_transform(degree, m))
-    return _operator(degree, m, transform, 2, ratio)
+    lower = _operator(degree, m, transform, 2, ratio)
+    i, j = monomials(degree)
+    parity, order = parity_of(degree), i + j
+    edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
+    for kind, (form, first) in enumerate(((0, 0), (1, 2), (0, 1), (1, 1))):
+        rows = np.flatnonzero(parity == kind)
+        number = np.arange(first, degree + 1, 2)
+        modes = (np.cos if form == 0 else np.sin)(np.outer(t, number))
+        null = np.swapaxes(lower[:, rows[:, None], rows], 1, 2)
+        null = null / np.abs(null).max()
+        values = np.broadcast_to(edge[rows].T, (ratio.size, t.size, rows.size))
+        system = np.concatenate([null, values], axis=1)
+        right = np.concatenate([np.zeros((rows.size, number.size)), modes])
+        solution = np.linalg.pinv(system, rcond=1e-12) @ right
+        slopes = [
+            np.einsum("rt,brk->btk", edge[rows] * factor[rows, None], solution)
+            for factor in (-order / 2, order * (order - 2) / 8)
+        ]
+        yield form, number, modes, slopes
+
+
+def _stiffness_forms(m: float, ratio: Array, degree: int, moments: Array) -> Array:
+    """Upper triangles of the second-order form S of the stiffness, per ratio.
+
+    A contour displaced by the Fourier modes x_i changes the stiffness in second order by
+    sum S_ij x_i x_j. `moments` are the means of ``gamma**(m-1) cos(k t)`` over the edges.
+    """
+    count = 2 * (moments.shape[1] - 1)
+    weight, bent = (
+        product_weights(part, count, 2 * np.pi)
+        for part in (moments, -moments * np.arange(moments.shape[1]) ** 2)
+    )
+    out = []
+    for _, number, modes, (slope, _) in _free_fields(
+        m, ratio, degree, np.arange(count) * 2 * np.pi / count
+    ):
+        form = np.einsum("bt,ti,btj->bij", weight, modes, 0.5 * m * modes + (m - 1) * slope)
+        form = form + 0.25 * np.einsum("bt,ti,tj->bij", bent, modes, modes)
+        form = 0.5 * (form + np.swapaxes(form, 1, 2))
+        for p in range(number.size):
+            for q in range(p, number.size):
+                out.append(form[:, p, q] * (1.0 if p == q else 2.0))
+    return np.array(out).T
+
+
+@lru_cache(maxsize=8)
+def edge_slopes(m: float, degree: int) -> Array:
+    """Operators R and R' of docs/development/laws.md in Fourier modes up to an even degree.
+
+    A field ``P (1 - rho**2)**((m-3)/2)`` without displacement has the expansion P = P0 + P1 y + P2
+    y^2 in ``y = 1 - rho**2`` at the edge. The matrices take the modes of P0 to those of P1 and of
+    P2, for cosines and for sines; shape (ratios, 2, 2, degree + 1, degree + 1), with the index of
+    the coefficient before that of cosine and sine. On the circle they are ``-k/2`` and
+    ``k (k - 2)/8``.
+    """
+    ratio, count = np.exp(np.linspace(*LOG_RATIO)), 4 * (degree + 1)
+    out = np.zeros((ratio.size, 2, 2, degree + 1, degree + 1))
+    for form, number, modes, slopes in _free_fields(
+        m, ratio, degree, np.arange(count) * 2 * np.pi / count
+    ):
+        norm = np.sum(modes * modes, axis=0)
+        for which, inner in enumerate(slopes):
+            out[:, which, form, number[:, None], number] = np.swapaxes(
+                np.einsum("btk,tl->bkl", inner, modes) / norm, 1, 2
+            )
+    return out
+
+
+@lru_cache(maxsize=8)
+def ellipse_tables(m: float, degree: int = DEGREE) -> tuple[Array, Array]:
+    """Tables of the elliptic contact for one grading exponent -1 < m < 1 and an even degree of the
+    profile polynomials, at least 2; built once per process.
+
+    Returns
+    -------
+    rows
+        One row per ln(b/a): edge amplitudes (monomial, node) flattened, quadrature weights of
+        ``gamma**(m-1)`` at the nodes, stiffness of the unit punch (s = 1, modulus 1), and the
+        upper triangles of the second-order stiffness form of the four parity classes. Every
+        quarter is padded to `LANES` nodes by its last one, without weight.
+    moments
+        Mean of each monomial under the flat-punch pressure of the ellipse.
+    """
+    quarter = degree + 1
+    nodes = np.linspace(0, np.pi / 2, quarter)
+    ratio = np.exp(np.linspace(*LOG_RATIO))
+    fine = np.arange(8192) * np.pi / 8192
+    squared = np.cos(fine) ** 2 * ratio[:, None] + np.sin(fine) ** 2 / ratio[:, None]
+    moments = np.zeros((ratio.size, 4 * (degree + 2) + 1))
+    moments[:, ::2] = fourier_moments(squared ** ((m - 1) / 2), 2 * (degree + 2) + 1)
+    around = 4 * degree
+    on_quarter = product_weights(moments[:, : around // 2 + 1], around, 2 * np.pi)[:, :quarter]
+    on_quarter = on_quarter * np.where((nodes == 0) | (nodes == nodes[-1]), 2.0, 4.0)
+    stiffness = 2 / ((1 + m) * moments[:, :1])
+    forms = _stiffness_forms(m, ratio, degree, moments)
+    spare = ((0, 0), (0, max(LANES - quarter, 0)))
+    edge = edge_operator(m, ratio, degree)
+    edge = np.pad(edge, ((0, 0), *spare), mode="edge").reshape(ratio.size, -1)
+    rows = np.concatenate([edge, np.pad(on_quarter, spare), stiffness, forms], axis=1)
+    return np.ascontiguousarray(rows), _punch_moments(degree, m)
+
+
+def between(rows: Array, position: float) -> Array:
+    """Row of a table at ln(b/a) = `position`, by cubic interpolation (Lagrange, four rows)."""
+    first, last, count = LOG_RATIO
+    place = min(max((position - first) / (last - first) * (count - 1), 0.0), count - 1.0)
+    i = min(max(int(place), 1), count - 3)
+    u = place - i
+    share = np.array(
+        [
+            -u * (u - 1) * (u - 2) / 6,
+            (u + 1) * (u - 1) * (u - 2) / 2,
+            -(u + 1) * u * (u - 2) / 2,
+            (u + 1) * u * (u - 1) / 6,
+        ]
+    )
+    return np.asarray(share @ rows[i - 1 : i + 3])

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.transforms import kappa
-from asperity.microcontact.ellipse.ellipse_operator import monomials
-from asperity.microcontact.ellipse.shared_tables import between, ellipse_tables
+from asperity.microcontact.ellipse.ellipse_operator import between, ellipse_tables, monomials
 
 __all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "edge_of", "fit_points", "fitted"]
 
@@ -156,21 +155,21 @@ def _rms(values: Array) -> float:
 
 def edge_of(gap: Gap, approach: float, a: float, b: float, m: float) -> Edge:
     """Edge amplitudes on the ellipse of semi-axes `a`, `b` on which `gap` was fitted."""
-    tables = ellipse_tables(m, DEGREE)
-    row = between(tables.rows, np.log(b / a))
+    rows, moments = ellipse_tables(m, DEGREE)
+    row = between(rows, np.log(b / a))
     quarter = DEGREE + 1
-    count = tables.order.size
+    i, j = monomials(DEGREE)
+    count = i.size
     table = row[: count * quarter].reshape(count, quarter)
     unit, punch = float(table[0, 0]), float(row[count * quarter + quarter])
-    i, j = monomials(DEGREE)
     full = table[:, _FOLD] * _SIGN_X ** i[:, None] * _SIGN_Y ** j[:, None]
-    waves = _resampled((gap.polynomial * tables.order ** _ORDERS[:, None]) @ full)
+    waves = _resampled((gap.polynomial * (i + j) ** _ORDERS[:, None]) @ full)
     factor, punch_mean = _rest_factors(m)
     rest = (gap.rest * factor[: len(gap.rest)]) @ (_POWERS ** _ORDERS[:, None]).T
     rest[1:] /= 2
     waves += rest.T * ANGLES
     edge = np.fft.irfft(waves, ANGLES, axis=1)
-    mean = gap.polynomial @ tables.moments + gap.rest[0].real @ punch_mean
+    mean = gap.polynomial @ moments + gap.rest[0].real @ punch_mean
     size = np.sqrt(a * b)
     return Edge(
         m=m,

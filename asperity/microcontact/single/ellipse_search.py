@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.microcontact.ellipse.shared_tables import LOG_RATIO
+from asperity.microcontact.ellipse.ellipse_operator import LOG_RATIO
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .ellipse_expansion import ANGLES, Edge, Gap, edge_of, fit_points, fitted

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import binom
 
-from asperity.microcontact.ellipse.shared_tables import between, edge_slopes
+from asperity.microcontact.ellipse.ellipse_operator import between, edge_slopes
 
 from .ellipse_expansion import ANGLES, Edge
 

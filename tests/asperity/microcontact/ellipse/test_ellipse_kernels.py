@@ -16,13 +16,13 @@ from asperity.microcontact.ellipse._contour_kernels import place
 from asperity.microcontact.ellipse._ellipse_kernels import SHAPE, STATES
 from asperity.microcontact.ellipse.batch import (
     _along_rays,
+    _fit_rules,
     _resampling,
     _rules,
     _stencils,
     levels_of,
 )
 from asperity.microcontact.ellipse.ellipse_operator import monomials
-from asperity.microcontact.ellipse.shared_tables import fit_rules
 from surfaces.numerics.lanes import LANES, groups, load, splat, store
 
 RNG = np.random.default_rng(7)
@@ -82,14 +82,14 @@ def _fit(q, nodes, edge, height, reach, wide, rules, number, out, space):
 
 def test_nested_fits_find_a_polynomial():
     """f of degree 4 on stretched rays comes back from every nested fit."""
-    rules, rays, nodes = fit_rules(16), 16, 17
+    (skews, fitting), rays, nodes = _fit_rules(16), 16, 17
     number, degree = 20, POWERS.sum(axis=0)
     coefs = np.where((degree >= 2) & (degree <= 4), RNG.normal(size=POWERS.shape[1]), 0.0)
     aspect = 0.7
     turn = 2 * np.pi * np.arange(rays) / rays
     direction = np.stack([np.cos(turn), aspect * np.sin(turn)])
     direction /= np.hypot(*direction)
-    wide = np.array([1.0, aspect / rules.skew[number]])
+    wide = np.array([1.0, aspect / skews[number]])
     wide /= np.sqrt(wide.prod())
     reach = 0.9 / np.hypot(*(direction / wide[:, None]))
     edge = 1.2 * reach
@@ -97,10 +97,8 @@ def test_nested_fits_find_a_polynomial():
     x, y = direction[0, :, None], direction[1, :, None]
     q = sum(c * x**i * y**j * r ** (i + j - 2) for c, i, j in zip(coefs, *POWERS, strict=True) if c)
     out = np.zeros(_fit_kernels.NESTED_FITS * POWERS.shape[1] * LANES)
-    fitting = (
-        rules.radii, rules.rings, rules.image, rules.matrices, rules.members, rules.count
-    )  # fmt: skip
-    space = _fit_kernels.fit_space(rays, rules.radii.size, len(rules.image) * len(rules.rings[0]))
+    radii, rings, image = fitting[:3]
+    space = _fit_kernels.fit_space(rays, radii.size, len(image) * len(rings[0]))
     _fit(
         lanes(q), nodes, lanes(edge), 2.0, lanes(reach), lanes(1 / wide), fitting, number, out,
         space,

@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 from asperity import HalfSpace, indent, indent_bem
-from asperity.microcontact.ellipse.shared_tables import LOG_RATIO, edge_slopes
+from asperity.microcontact.ellipse.ellipse_operator import LOG_RATIO, edge_slopes
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.single.ellipse_expansion import edge_of, fit_points, fitted
 from asperity.microcontact.single.ellipse_series import expand
