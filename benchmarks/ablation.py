@@ -102,6 +102,7 @@ POPULATION = "asperity.interaction.contact_system.ContactSystem"
 CANDIDATES = "asperity.interaction.candidates.CandidateList"
 SPLIT = "asperity.multiscale.wave_split"
 LAWS = "asperity.model.corrections"
+TABLES = "asperity.microcontact.laws"
 RAYS = "asperity.microcontact.ray_laws"
 
 CORRECTIONS = {
@@ -154,12 +155,12 @@ CORRECTIONS = {
         ("asperity.model.law_rows._weight",),
     ),
     "guard of the ellipse law": Correction(
-        replaced("asperity.microcontact.auto.GROSS_DIFFERENCE", np.inf),
+        replaced(f"{TABLES}.GROSS_DIFFERENCE", np.inf),
         (
-            "asperity.microcontact.auto.tabulate",
-            "asperity.microcontact.auto._without_pull",
-            "asperity.microcontact.auto._worst_ratio",
-            "asperity.microcontact.auto._replace",
+            *(
+                f"{TABLES}.{name}"
+                for name in ("tabulate_auto", "_without_pull", "_worst_ratio", "_replace")
+            ),
             *(f"{RAYS}.{name}" for name in ("tabulate_ritz", "ritz_forces", "_march")),
             "asperity.microcontact._ray_kernels",
         ),

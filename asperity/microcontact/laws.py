@@ -1,28 +1,125 @@
-"""Contact laws by name: each has a function that makes the law table of many profiles."""
+"""Laws by name, each with a function that makes the law table of many profiles; the law "auto"."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from asperity.errors import InputError
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import Flag, InputError
 from asperity.halfspace.material import HalfSpace
 
-from . import auto, hertz
+from . import hertz
 from .capped_table import capped_table
 from .ellipse import batch as ellipse
-from .ray_laws import tabulate_expansion, tabulate_ritz
+from .law_table import LawTable
+from .ray_laws import ritz_forces, tabulate_expansion, tabulate_ritz
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
 
-    from .law_table import LawTable
-
 __all__ = ["LAWS", "elastic_table", "require_law", "tabulate"]
 
+Array = NDArray[np.float64]
+
+DOUBTFUL_END = 0.1
+"""Square root of approach over reach. A summit whose expansion ends below it is doubtful."""
+
+COMPARED_SHARES = np.array([0.003, 0.01, 0.03, 0.1])
+"""Approaches over the reach at which the laws of a doubtful summit are compared."""
+
+LEVEL_TIP = 2e-3, 0.3
+"""Range of f/r^2 at the first node of a ray, over that at its end, in which a tip counts as level:
+it is 0.004 for r^4, 0.06 for r^3, 0 for a plateau, and about 1 for a summit in noise."""
+
+GROSS_DIFFERENCE = 1.3
+"""Ratio of the forces of `ellipse` and `ritz` beyond which a summit gets `ritz`, which needs no
+polynomial."""
+
+
+def tabulate_auto(
+    profiles: Profiles,
+    material: HalfSpace,
+    *,
+    law: str = "auto",
+    nodes: int = ellipse.TABLE_INTERVALS,
+) -> LawTable:
+    """Law table of many profiles: `ellipse`, checked against `ritz` where its expansion ends early.
+
+    `ellipse`, the expansion about the optimal ellipse, is the most accurate law wherever a
+    polynomial describes the summit inside the contact, at any ratio of curvatures. Where none does
+    beyond the tip (a noisy spike on a ridge), its continuation can be off by factors. For such
+    summits, about one in ten, the force of `ritz` is computed at a few approaches; if both disagree
+    grossly, the summit gets the law `ritz`, and the disagreement as its spread. Plateaus, for which
+    `ellipse` gives no law, get `ritz` too. `ellipse` also gives no law for a level tip such as r^4,
+    which rises along every ray: the law `harmonic` is exact there, while `ritz` has a third of the
+    force.
+    """
+    table = replace(ellipse.tabulate(profiles, material, nodes=nodes), law=law)
+    left = table.flags[:, 1 : int(DOUBTFUL_END * nodes) + 1] & Flag.BEYOND_RADIUS
+    ratio = np.where(profiles.valid & (table.reach == 0), np.inf, 1.0)
+    doubtful = np.flatnonzero(left.any(axis=1) & (table.reach > 0))
+    if doubtful.size:
+        ratio[doubtful] = _worst_ratio(table, doubtful, profiles.rows(doubtful), material)
+    tip, end = profiles.q[:, :, 1], profiles.q[:, :, -1]
+    level = np.isinf(ratio) & ((tip > LEVEL_TIP[0] * end) & (tip < LEVEL_TIP[1] * end)).all(axis=1)
+    for rows, second in (
+        (np.flatnonzero(level), tabulate_expansion),
+        (np.flatnonzero(~level & (ratio > GROSS_DIFFERENCE)), tabulate_ritz),
+    ):
+        if rows.size:
+            other = second(profiles.rows(rows), material, nodes=nodes)
+            _without_pull(other)
+            _replace(table, rows, other, ratio[rows])
+    return table
+
+
+def _without_pull(table: LawTable) -> None:
+    """Replace negative forces of `ritz` in a table, in place.
+
+    The law `ritz` pulls at first on a plateau that rises along some rays. The law of a paraboloid,
+    F ~ u^p with u = sqrt(d/reach), replaces it up to the node at which F / u^p is largest. On 12
+    such plateaus the force is then 0.15 to 0.2 (rms of its logarithm) off that of boundary elements
+    from a twentieth of the reach on.
+    """
+    u = np.arange(1, table.nodes + 1) / table.nodes
+    pulls = (table.force[:, 1:] <= 0).any(axis=1) & (table.force > 0).any(axis=1)
+    for row in np.flatnonzero(pulls):
+        last = 1 + int(np.argmax(table.force[row, 1:] / u**table.exponent))
+        share = np.arange(last + 1) / last
+        force, depth = table.force[row, last], table.reach[row] * u[last - 1] ** 2
+        slope = 0.5 * table.exponent * force / depth
+        table.force[row, : last + 1] = force * share**table.exponent
+        table.stiffness[row, : last + 1] = slope * share ** (table.exponent - 2)
+        table.area[row, : last + 1] = table.area[row, last] * share**2
+
+
+def _worst_ratio(
+    table: LawTable, rows: NDArray[np.int64], profiles: Profiles, material: HalfSpace
+) -> Array:
+    """Largest ratio, 1 or more, of the forces of the table and of `ritz` at `COMPARED_SHARES`."""
+    first = table.evaluate(rows[:, None], COMPARED_SHARES * table.reach[rows, None])[0]
+    other = ritz_forces(profiles, material, np.sqrt(COMPARED_SHARES))
+    usable = (first > 0) & (other > 0)
+    ratio = np.divide(first, other, out=np.ones(first.shape), where=usable)
+    return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))
+
+
+def _replace(table: LawTable, rows: NDArray[np.int64], second: LawTable, ratio: Array) -> None:
+    """Replace the `rows` of a table by `second`, in place; `ratio` less one is their spread."""
+    for name in ("reach", "force", "stiffness", "area", "flags"):
+        getattr(table, name)[rows] = getattr(second, name)
+    table.spread[rows] = np.maximum(table.spread[rows], np.minimum(ratio - 1, 1.0)[:, None])
+    if table.centre is not None:
+        table.centre[rows] = 0.0
+
+
 TABULATORS: dict[str, Callable[..., LawTable]] = {
-    "auto": auto.tabulate,
+    "auto": tabulate_auto,
     "hertz": hertz.tabulate,
     "paper": tabulate_expansion,
     "harmonic": tabulate_expansion,

@@ -17,7 +17,7 @@ from asperity.microcontact.laws import require_law
 from surfaces.errors import as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from . import auto, circle, ellipse, hertz, ritz
+from . import circle, ellipse, hertz, ritz
 from .capped import CappedLaw
 from .indentation import Indentation
 
@@ -26,16 +26,6 @@ __all__ = ["indent"]
 Array = NDArray[np.float64]
 Solver = Callable[..., Indentation]
 Measure = Callable[[Array], tuple[Array, Array]]
-
-SOLVERS: dict[str, Solver] = {
-    "auto": auto.indent,
-    "hertz": hertz.indent,
-    "paper": circle.indent,
-    "harmonic": circle.indent,
-    "ellipse": ellipse.indent,
-    "ritz": ritz.indent,
-}
-"""Solution of one contact by each law."""
 
 _STEPS = 60
 """Newton steps towards a load."""
@@ -51,6 +41,53 @@ _FULL = 0.975
 
 _TINY = 1e-6
 """Approach of a contact just touched, over that of another."""
+
+_MEANINGLESS = 0.3
+"""Relative error of the law "harmonic" from which on no answer is better: long contacts."""
+
+
+def _auto(
+    profile: PowerSumProfile | PolarProfile,
+    material: HalfSpace,
+    approach: Array,
+    *,
+    law: str = "auto",
+) -> Indentation:
+    """Solution by the law "auto": at every approach by that of the smaller expected error.
+
+    On a sharp tip (a cone, a pyramid), which is no polynomial, this is "harmonic".
+    """
+    first = ellipse.indent(profile, material, approach)
+    second = circle.indent(profile, material, approach, law="harmonic")
+    own = np.where(np.isfinite(first.force), first.error_estimate, np.inf)
+    other = np.where(np.isfinite(second.force), second.error_estimate, np.inf)
+    take = np.nan_to_num(own, nan=np.inf) <= np.nan_to_num(other, nan=np.inf)
+    take |= other > _MEANINGLESS
+    names = ("force", "contact_area", "radius", "stiffness", "flags", "error_estimate")
+    columns = {name: np.where(take, getattr(first, name), getattr(second, name)) for name in names}
+    return replace(
+        first,
+        law=law,
+        **columns,
+        contour_function=lambda phi: np.where(
+            take[:, None], first.contour_function(phi), second.contour_function(phi)
+        ),
+        pressure_function=lambda r, phi: np.where(
+            take[:, None], first.pressure_function(r, phi), second.pressure_function(r, phi)
+        ),
+        history_function=None,
+    )
+
+
+SOLVERS: dict[str, Solver] = {
+    "auto": _auto,
+    "hertz": hertz.indent,
+    "paper": circle.indent,
+    "harmonic": circle.indent,
+    "ellipse": ellipse.indent,
+    "ritz": ritz.indent,
+}
+"""Solution of one contact by each law."""
 
 
 @cautious

@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.microcontact import auto, tabulate
+from asperity.microcontact import laws, tabulate
 from asperity.microcontact.ellipse import batch as ellipse
 from asperity.microcontact.ray_laws import tabulate_ritz
 
@@ -30,8 +30,8 @@ def test_summits_that_agree_keep_the_ellipse_law(profiles):
 
 
 def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles, monkeypatch):
-    monkeypatch.setattr(auto, "GROSS_DIFFERENCE", 1.0)
-    table = auto.tabulate(profiles, STEEL)
+    monkeypatch.setattr(laws, "GROSS_DIFFERENCE", 1.0)
+    table = laws.tabulate_auto(profiles, STEEL)
     own = ellipse.tabulate(profiles, STEEL)
     other = tabulate_ritz(profiles, STEEL, nodes=ellipse.TABLE_INTERVALS)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
@@ -67,7 +67,7 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
         return table
 
     monkeypatch.setattr(ellipse, "tabulate", without)
-    table = auto.tabulate(profiles, STEEL)
+    table = laws.tabulate_auto(profiles, STEEL)
     other = tabulate_ritz(profiles, STEEL, nodes=ellipse.TABLE_INTERVALS)
     assert (table.reach[lost] > 0).all()
     np.testing.assert_array_equal(table.force[lost], other.force[lost])
@@ -77,7 +77,7 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
 def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_most(
     profiles, monkeypatch
 ):
-    monkeypatch.setattr(auto, "GROSS_DIFFERENCE", 1.0)
+    monkeypatch.setattr(laws, "GROSS_DIFFERENCE", 1.0)
     tabulated, nodes = tabulate_ritz, ellipse.TABLE_INTERVALS
 
     def pulled(*args, **options):
@@ -90,8 +90,8 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
         tabulate_ritz(profiles, STEEL, nodes=nodes),
         ellipse.tabulate(profiles, STEEL),
     )
-    monkeypatch.setattr(auto, "tabulate_ritz", pulled)
-    table = auto.tabulate(profiles, STEEL)
+    monkeypatch.setattr(laws, "tabulate_ritz", pulled)
+    table = laws.tabulate_auto(profiles, STEEL)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size
     u = np.arange(nodes + 1) / nodes
@@ -119,7 +119,7 @@ def test_a_level_tip_without_a_polynomial_has_the_harmonic_law(monkeypatch):
 
     monkeypatch.setattr(ellipse, "tabulate", without)
     tip.valid[:] = True
-    table = auto.tabulate(tip, STEEL)
+    table = laws.tabulate_auto(tip, STEEL)
     depth = table.reach[0] * np.array([0.01, 0.05, 0.2])
     force = table.evaluate(np.zeros(3, np.int64), depth)[0]
     exact = asperity.indent(surfaces.PowerLawProfile(4, 1e-9), STEEL, depth).force
