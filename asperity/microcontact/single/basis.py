@@ -14,12 +14,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.optimize import bisect
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.transforms import kappa, moments
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-__all__ = ["Basis", "PowerBasis", "TableBasis", "basis_of", "corner_rule", "samples", "synthesis"]
+__all__ = [
+    "Basis",
+    "PowerBasis",
+    "TableBasis",
+    "basis_of",
+    "corner_rule",
+    "radius_at",
+    "samples",
+    "synthesis",
+]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -32,6 +42,12 @@ _HIGHEST = 512
 
 _PANELS = 64
 """Gauss nodes between two corners."""
+
+_STEPS = 80
+"""Iterations of a root search."""
+
+_FARTHEST = 4.0
+"""Radius to which a table is followed, over its last."""
 
 
 class PowerBasis:
@@ -163,6 +179,82 @@ def basis_of(profile: PowerSumProfile | PolarProfile, m: float) -> Basis:
     if isinstance(profile, PolarProfile):
         return TableBasis(profile, m)
     return PowerBasis(profile, m)
+
+
+def radius_at(basis: Basis, approach: Array) -> Array:
+    """Radius a [m] with D(a) = approach on the rising branch of D, zero at d <= 0.
+
+    NaN beyond the first zero of D'(a), and beyond four times the last radius of a table.
+    """
+    scan = _scan(basis)
+    if not basis.depth(scan[:1])[0] > 0:
+        raise ModelRangeError(
+            "the mean profile does not rise from its summit, so the approach has no contact; "
+            "put the origin at the highest point"
+        )
+    end = _end(basis, scan)
+    a = np.where(approach > 0, np.nan, 0.0)
+    grid = np.append(scan[scan < end], end)
+    reached = basis.depth(grid) if np.isfinite(end) else np.array([np.inf])
+    found = (approach > 0) & (approach <= reached[-1] * (1 + 1e-14))
+    d = approach[found]
+    if isinstance(basis, PowerBasis):
+        # of the n rising terms one is d/n at least, and without falling ones none is above d
+        rising = basis.means > 0
+        powers, share = basis.powers[rising], d[:, None] / basis.depth_factors[rising]
+        with np.errstate(over="ignore"):
+            low = np.min((share / powers.size) ** (1 / powers), axis=1)
+            high = np.min(share ** (1 / powers), axis=1) if np.isinf(end) else np.full(d.size, end)
+            for _ in range(_STEPS if np.isinf(end) and np.any(basis.means < 0) else 0):
+                high = np.where(basis.depth(high) < d, 2 * high, high)
+    else:
+        cell = np.minimum(np.searchsorted(reached, d), grid.size - 1)
+        low, high = np.append(0.0, grid)[cell], grid[cell]
+    a[found] = _bracketed(basis, d, low, high)
+    return a
+
+
+def _scan(basis: Basis) -> Array:
+    """Radii at which the sign of D' is looked at."""
+    if isinstance(basis, TableBasis):
+        r = basis.nodes
+        inside = np.sort(np.concatenate([r[1:], (r[1:] + r[:-1]) / 2]))
+        return np.append(inside, r[-1] * np.linspace(1.02, _FARTHEST, 40))
+    pull = np.abs(basis.means * basis.powers)
+    rising, falling = basis.means > 0, basis.means < 0
+    if not np.any(falling) or not np.any(rising):
+        return np.array([1.0])
+    ratio = pull[rising][:, None] / pull[falling]
+    gap = basis.powers[falling] - basis.powers[rising][:, None]
+    with np.errstate(divide="ignore", over="ignore"):
+        crossing = ratio ** (1 / np.where(gap == 0, np.inf, gap))
+    return np.geomspace(1e-3 * crossing.min(), 1e3 * crossing.max(), 3000)
+
+
+def _end(basis: Basis, scan: Array) -> float:
+    """Radius [m] at which D' first vanishes, or to which a table is followed; infinite for a
+    power-law body that only rises."""
+    turned = np.flatnonzero(basis.depth(scan, 1) <= 0)
+    if turned.size == 0:
+        return float(scan[-1]) if isinstance(basis, TableBasis) else np.inf
+    first = int(turned[0])
+    low = scan[first - 1] if first else scan[0] / 8
+    return float(bisect(lambda a: basis.depth(np.array([a]), 1)[0], low, scan[first]))
+
+
+def _bracketed(basis: Basis, d: Array, low: Array, high: Array) -> Array:
+    """Newton steps of log D over log a, replaced by bisection where they leave the bracket."""
+    with np.errstate(all="ignore"):
+        a = np.where(low > 0, np.sqrt(low) * np.sqrt(high), high / 2)
+        for _ in range(_STEPS if d.size else 0):
+            value, before = basis.depth(a), a
+            low, high = np.where(value < d, a, low), np.where(value > d, a, high)
+            newton = a * np.exp(np.log(d / value) * value / basis.depth(a, 1))
+            middle = np.where(low > 0, np.sqrt(low) * np.sqrt(high), high / 2)
+            a = np.where((newton >= low) & (newton <= high), newton, middle)
+            if np.all(np.abs(a - before) <= 4e-16 * a):
+                break
+    return np.asarray(a)
 
 
 def synthesis(amplitudes: Complex, phi: Array) -> Array:

@@ -16,9 +16,8 @@ from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ray_laws import expected_error
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .basis import Basis, PowerBasis, basis_of, samples, synthesis
+from .basis import Basis, PowerBasis, basis_of, radius_at, samples, synthesis
 from .indentation import Indentation, contour_flags, profile_flags
-from .inverse_approach import radius_at
 from .pressure import AxisymmetricPressure, HistoryPressure
 
 __all__ = ["Expansion", "indent"]

@@ -14,11 +14,10 @@ from asperity.halfspace.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 from . import circle
-from .basis import basis_of
+from .basis import basis_of, radius_at
 from .ellipse_search import Search
 from .ellipse_state import EllipseState
 from .indentation import Indentation, profile_flags
-from .inverse_approach import radius_at
 
 __all__ = ["indent"]
 

@@ -23,9 +23,8 @@ from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .basis import basis_of
+from .basis import basis_of, radius_at
 from .indentation import Indentation, contour_flags, profile_flags
-from .inverse_approach import radius_at
 
 __all__ = ["indent"]
 

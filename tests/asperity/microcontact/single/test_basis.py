@@ -1,0 +1,36 @@
+"""The radius at an approach, of profiles of every form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+from surfaces import PolarProfile, PowerSumProfile
+
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+def test_terms_of_one_power_are_their_sum():
+    """The falling one counts, though the body never turns over."""
+    parts, whole = (
+        asperity.indent(PowerSumProfile(*terms), BODY, [1e-3, 0.01])
+        for terms in (([2.0, 2.0], [1.0, -0.3]), ([2.0], [0.7]))
+    )
+    np.testing.assert_allclose(parts.radius, whole.radius, rtol=1e-12)
+    np.testing.assert_allclose(parts.force, whole.force, rtol=1e-12)
+
+
+def test_a_falling_term_between_rising_ones_counts():
+    """On circles D(a) = 2 a^2 - 0.3 (3 pi / 4) a^3 + 8/3 a^4, m = 0."""
+    body = PowerSumProfile([2.0, 3.0, 4.0], [1.0, -0.3, 1.0])
+    a = asperity.indent(body, BODY, 0.1).radius
+    assert 2 * a**2 - 0.225 * np.pi * a**3 + 8 / 3 * a**4 == pytest.approx(0.1, rel=1e-12)
+
+
+@pytest.mark.parametrize("approach", [1e-90, 1e-50, 1e-20])
+def test_a_contact_far_smaller_than_its_table_has_its_radius(approach):
+    r, phi = np.linspace(0.0, 1.0, 41), 2 * np.pi * np.arange(16) / 16
+    table = PolarProfile(r, phi, 0.5 * r[:, None] ** 2 * np.ones(16))
+    radius = asperity.indent(table, BODY, approach).radius
+    assert radius == pytest.approx(np.sqrt(approach), rel=1e-6, abs=0.0)
