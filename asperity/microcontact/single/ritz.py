@@ -33,9 +33,6 @@ Array = NDArray[np.float64]
 _RAYS = 180
 """Free rays of a planform."""
 
-_ANGLES = 720
-"""Angles at which the flags look at a contour."""
-
 _RADII, _DENSE = 120, 1.6
 """Radii of the tables up to `_DENSE` times that of the first-order contact; a third beyond."""
 
