@@ -9,7 +9,6 @@ fitted (docs/development/laws.md).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -120,7 +119,7 @@ def capped(
     peak[known] = mean * largest
     some = np.flatnonzero((peak[known] > 1) & (mean > _LIGHT))
     late, mean, full = known[some], mean[some], full[some]
-    body = _PowerBody.of(material.m, exponent[some], largest[some])
+    body = _PowerBody(material.m, exponent[some], largest[some])
     deficit = body.deficit(mean)
     f[late] = np.minimum(f[late], full * (1 - deficit))
     edge = d[late] - full * body.edge * mean / k[late]
@@ -135,40 +134,18 @@ def capped(
     return Capped(*(part.reshape(shape) for part in (d, f, saturated, peak)))
 
 
-@dataclass(frozen=True, eq=False)
 class _PowerBody:
-    """Bodies r^k pressed into a half-space of grading m, one per row.
+    """Bodies r^k pressed into a half-space of grading m, one per row; `peak` is their largest
+    elastic pressure over the mean one, infinite at k <= 1 - m."""
 
-    Attributes
-    ----------
-    peak
-        Largest elastic pressure over the mean one; infinite at k <= 1 - m.
-    slope
-        E a^m f'(a) over the mean elastic pressure.
-    edge
-        Elastic displacement of the edge over F / (dF/dd).
-    """
-
-    rim: _Rim
-    peak: Array
-    slope: Array
-    edge: Array
-
-    @classmethod
-    def of(cls, m: float, k: Array, peak: Array) -> _PowerBody:
-        """From the exponents k and the largest pressures."""
+    def __init__(self, m: float, k: Array, peak: Array) -> None:
         depth = kappa(m, k)
-        return cls(
-            _Rim(m),
-            peak,
-            slope=np.pi / 2 * (1 + m) * (k + 1 + m) / depth,
-            edge=(1 - 1 / depth) * (1 + (1 + m) / k),
-        )
-
-    @property
-    def first(self) -> Array:
-        """Deficit at first yield."""
-        return 1 - 1 / self.peak
+        self.rim = _Rim(m)
+        # deficit at first yield; E a^m f'(a) over the mean elastic pressure; elastic displacement
+        # of the edge over F / (dF/dd)
+        self.first = 1 - 1 / peak
+        self.slope = np.pi / 2 * (1 + m) * (k + 1 + m) / depth
+        self.edge = (1 - 1 / depth) * (1 + (1 + m) / k)
 
     def deficit(self, mean: Array) -> Array:
         """Deficit 1 - F/(H A) of bodies that have yielded, by the mean elastic pressure over H.

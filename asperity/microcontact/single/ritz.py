@@ -10,9 +10,6 @@ ellipse is taken if it is nearly as good.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
@@ -69,7 +66,6 @@ _DEEPEST = 1e3
 through larger ones swings in front of them."""
 
 
-@dataclass(frozen=True, eq=False)
 class _Functional:
     """The functional of one profile on equispaced rays.
 
@@ -77,36 +73,30 @@ class _Functional:
     search takes the same way in every unit.
     """
 
-    m: float
-    phi: Array
-    gap: CubicSpline
-    exact: Callable[[Array], Array]
-    limit: float
-
-    @classmethod
-    def of(
-        cls, profile: PowerSumProfile | PolarProfile, m: float, depth: float, radius: float
-    ) -> _Functional:
-        phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
-        limit = min(_REACH, profile.radius / radius)
-        dense = min(_DENSE, limit)
+    def __init__(
+        self, profile: PowerSumProfile | PolarProfile, m: float, depth: float, radius: float
+    ) -> None:
+        self.m, self.phi = m, 2 * np.pi * np.arange(_RAYS) / _RAYS
+        self.limit = min(_REACH, profile.radius / radius)
+        self._profile, self._depth, self._radius = profile, depth, radius
+        dense = min(_DENSE, self.limit)
         a = np.linspace(0, dense, _RADII + 1)
-        if dense < limit:
-            a = np.append(a, np.geomspace(dense, limit, _RADII // 3)[1:])
-        t, weights = gauss_jacobi(m, 32)
+        if dense < self.limit:
+            a = np.append(a, np.geomspace(dense, self.limit, _RADII // 3)[1:])
+        gap = self._exact(np.broadcast_to(a[1:, None], (a.size - 1, _RAYS)))
+        self.gap = CubicSpline(a, np.vstack([np.zeros(_RAYS), gap]))
 
-        def exact(a: Array) -> Array:
-            with np.errstate(over="ignore"):
-                f = profile(radius * a[..., None, :] * t[:, None], phi) / depth
-            f = np.minimum(f, _DEEPEST)
-            return np.asarray(np.einsum("t,...tp->...p", weights * t, f) * a**2)
-
-        gap = exact(np.broadcast_to(a[1:, None], (a.size - 1, _RAYS)))
-        return cls(m, phi, CubicSpline(a, np.vstack([np.zeros(_RAYS), gap])), exact, limit)
+    def _exact(self, a: Array) -> Array:
+        """What the table of the gap holds, at rays `a`, shape (..., rays)."""
+        t, weights = gauss_jacobi(self.m, 32)
+        with np.errstate(over="ignore"):
+            places = self._radius * a[..., None, :] * t[:, None]
+            f = np.minimum(self._profile(places, self.phi) / self._depth, _DEEPEST)
+        return np.asarray(np.einsum("t,...tp->...p", weights * t, f) * a**2)
 
     def missed(self, a: Array) -> float:
         """Relative error of the value at the rays `a`, shape (rays,), by the table of the gap."""
-        table, exact = self.gap(a)[np.arange(a.size), np.arange(a.size)], self.exact(a)
+        table, exact = self.gap(a)[np.arange(a.size), np.arange(a.size)], self._exact(a)
         work = np.sum(a**2 / (1 + self.m) - exact)
         return float(abs(np.sum(table - exact)) / max(abs(work), 1e-300))
 
@@ -191,7 +181,7 @@ def indent(
     missed = np.zeros(depth.size)
     stopped = np.zeros(depth.size, dtype=bool)
     for i in np.flatnonzero(np.isfinite(start) & (start > 0)):
-        functional = _Functional.of(profile, m, float(depth[i]), float(start[i]))
+        functional = _Functional(profile, m, float(depth[i]), float(start[i]))
         lower[i], found = functional.best_ellipse()
         free[i], rays[i], settled = functional.best_rays(functional.ellipse(found))
         force[i] = free[i]
