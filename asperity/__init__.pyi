@@ -8,7 +8,7 @@ from .comparison.result import Comparison as Comparison
 from .comparison.run import compare as compare
 from .contacts.run import ContactRun as ContactRun
 from .contacts.run import solve_contacts as solve_contacts
-from .contacts.sizes import size_distribution as size_distribution
+from .contacts.table import size_distribution as size_distribution
 from .curve import contact_curve as contact_curve
 from .distributed.bands import Ensemble as Ensemble
 from .distributed.ensemble import ensemble as ensemble

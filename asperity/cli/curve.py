@@ -64,7 +64,7 @@ def _solve(
 
 def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[no-untyped-def]
     from asperity.contacts.run import solve_contacts
-    from asperity.contacts.sizes import size_distribution
+    from asperity.contacts.table import size_distribution
     from asperity.results.paraview import write_vti
     from asperity.results.storage import columns, write_csv
 
