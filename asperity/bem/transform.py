@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -88,16 +87,10 @@ def _largest_factor(n: int) -> int:
     return max(largest, n)
 
 
-class RealTransform(ABC):
-    """A planned pair of transforms that convolves, see `convolution.Convolution`: of `shape` points
-    that hold values, and `padded` of the transform, in float64 or float32, with buffers of scratch.
-
-    `spectrum` is the half spectrum, shape (padded ny, padded nx // 2 + 1).
-    """
-
-    spectrum: NDArray[Any]
-    grid: NDArray[Any]
-    output: NDArray[Any]
+class _Whole:
+    """What both kinds of a planned pair of transforms of a whole grid share, see
+    `convolution.Convolution`: `shape` points that hold values, and `padded` of the transform, in
+    float64 or float32, with buffers of scratch."""
 
     def __init__(
         self,
@@ -109,38 +102,24 @@ class RealTransform(ABC):
         self._padded = padded
         self._threads = _own(threads()) if math.prod(padded) > _ONE_THREAD else 1
         self.values = scratch.zeros((shape[0], padded[1]), dtype)
-        self._plan(np.result_type(dtype, np.complex64), scratch)
 
-    @abstractmethod
-    def _plan(self, complex_type: np.dtype[Any], scratch: Scratch) -> None:
-        """Make the other buffers and what transforms between them."""
-
-    @abstractmethod
-    def forward(self) -> None:
-        """Transform `values`, with zeros in the rows that it lacks, into `spectrum`."""
-
-    @abstractmethod
-    def backward(self) -> None:
-        """Transform `spectrum`, which is destroyed, into the first rows of `grid`."""
-
-    def apply(self, symbol: NDArray[Any]) -> None:
-        """Convolve `values` into `grid`."""
-        self.forward()
-        parts = self.spectrum.view(self.values.dtype)
+    def _scale(self, spectrum: NDArray[Any], symbol: NDArray[Any]) -> None:
+        """Multiply a half spectrum by an even symbol."""
+        parts = spectrum.view(self.values.dtype)
         by_rows(multiply, parts.shape, parts, symbol)
-        self.backward()
 
 
-class FFTWTransform(RealTransform):
+class FFTWTransform(_Whole):
     """FFTW pair whose output lies in the buffer of the spectrum."""
 
-    def _plan(self, complex_type: np.dtype[Any], scratch: Scratch) -> None:
+    def __init__(self, *how: Any) -> None:
         import pyfftw
 
-        (ny, nx), rows = self._padded, len(self.values)
-        self.output = self.spectrum = scratch.zeros((ny, nx // 2 + 1), complex_type)
-        self.grid = self.spectrum.view(self.values.dtype)[:rows]
-        self._tail = self.spectrum[rows:]
+        super().__init__(*how)
+        (ny, nx), rows, scratch = self._padded, len(self.values), how[-1]
+        complex_type = np.result_type(self.values.dtype, np.complex64)
+        self.output = self._spectrum = scratch.zeros((ny, nx // 2 + 1), complex_type)
+        self.grid = self._spectrum.view(self.values.dtype)[:rows]
 
         def planned(a: Any, b: Any, axes: tuple[int, ...], direction: str) -> Any:
             flags = ("FFTW_ESTIMATE", *(() if a is self.values else ("FFTW_DESTROY_INPUT",)))
@@ -148,12 +127,12 @@ class FFTWTransform(RealTransform):
                 a, b, axes=axes, direction=direction, flags=flags, threads=self._threads
             )
 
-        out, used = self.grid[:, :nx], self.spectrum[:rows]
+        out, used = self.grid[:, :nx], self._spectrum[:rows]
         if rows == ny:
             self._forward = [planned(self.values, used, (0, 1), "FFTW_FORWARD")]
             self._backward = [planned(used, out, (0, 1), "FFTW_BACKWARD")]
         else:
-            columns = (self.spectrum, self.spectrum, (0,))
+            columns = (self._spectrum, self._spectrum, (0,))
             self._forward = [
                 planned(self.values, used, (1,), "FFTW_FORWARD"),
                 planned(*columns, "FFTW_FORWARD"),
@@ -163,30 +142,29 @@ class FFTWTransform(RealTransform):
                 planned(used, out, (1,), "FFTW_BACKWARD"),
             ]
 
-    def forward(self) -> None:
-        self._tail[:] = 0.0
+    def apply(self, symbol: NDArray[Any]) -> None:
+        """Convolve `values` into `grid`."""
+        self._spectrum[len(self.values) :] = 0.0
         for stage in self._forward:
             stage.execute()
-
-    def backward(self) -> None:
+        self._scale(self._spectrum, symbol)
         for stage in self._backward:
             stage.execute()
 
 
-class ScipyTransform(RealTransform):
+class ScipyTransform(_Whole):
     """Pair of scipy.fft."""
 
-    def _plan(self, complex_type: np.dtype[Any], scratch: Scratch) -> None:
-        self.output = self.grid = scratch.zeros(self.values.shape, self.values.dtype)
-        self.spectrum = np.empty((0, 0), complex_type)
+    def __init__(self, *how: Any) -> None:
+        super().__init__(*how)
+        self.output = self.grid = how[-1].zeros(self.values.shape, self.values.dtype)
 
-    def forward(self) -> None:
-        by_rows = scipy.fft.rfft(self.values, axis=1, workers=self._threads)
-        self.spectrum = scipy.fft.fft(
-            by_rows, n=self._padded[0], axis=0, workers=self._threads, overwrite_x=True
-        )
-
-    def backward(self) -> None:
-        how: Any = {"workers": self._threads, "overwrite_x": True, "norm": "forward"}
-        spectrum = scipy.fft.ifft(self.spectrum, axis=0, **how)[: len(self.grid)]
-        self.grid[:] = scipy.fft.irfft(spectrum, n=self._padded[1], axis=1, **how)
+    def apply(self, symbol: NDArray[Any]) -> None:
+        """Convolve `values` into `grid`."""
+        ny, nx = self._padded
+        how: Any = {"workers": self._threads, "overwrite_x": True}
+        spectrum = scipy.fft.rfft(self.values, axis=1, workers=self._threads)
+        spectrum = scipy.fft.fft(spectrum, n=ny, axis=0, **how)
+        self._scale(spectrum, symbol)
+        spectrum = scipy.fft.ifft(spectrum, axis=0, norm="forward", **how)[: len(self.grid)]
+        self.grid[:] = scipy.fft.irfft(spectrum, n=nx, axis=1, norm="forward", **how)
