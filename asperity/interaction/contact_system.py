@@ -15,6 +15,7 @@ from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.load_points import known_boundary
 from asperity.interaction.newton.laws import Laws
 from asperity.parameters import DEFAULTS, Parameters
+from surfaces.errors import as_numbers
 from surfaces.numerics.memory import on_disk
 
 from .elongation import Elongation
@@ -150,9 +151,7 @@ class ContactSystem:
 
 
 def _column(value: ArrayLike, name: str) -> Array:
-    array = np.ascontiguousarray(value, dtype=float)
+    array = np.ascontiguousarray(as_numbers(name, value, copy=False))
     if array.ndim != 1:
         raise InputError(f"{name} must be one-dimensional, got shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError(f"{name} holds values that are not finite")
     return array

@@ -9,6 +9,7 @@ import numpy as np
 
 from asperity.errors import InputError
 from asperity.interaction.newton.laws import LEAST_BATCH
+from surfaces.errors import as_number
 
 from .contact_system import ContactSystem
 from .coupled_solve import CROWDED_AREA, solve_at, start_of
@@ -113,16 +114,17 @@ class Population(ContactSystem):
         """
         if (separation is None) == (pressure is None):
             raise InputError("give either separation or pressure")
-        if not tolerance > 0:
+        if not as_number("tolerance", tolerance) > 0:
             raise InputError(f"tolerance must be positive, got {tolerance!r}")
         last = Continuation(self) if state is None else state.continuation
         self.laws.foresee(None)
         if separation is not None:
-            found = solve_at(last, _finite(separation, "separation"), tolerance)
-            return self._judged(found)
-        pressure = _finite(pressure, "pressure")
-        if pressure < 0:
-            raise InputError(f"pressure must not be negative, got {pressure:g} Pa")
+            if not math.isfinite(as_number("separation", separation)):
+                raise InputError(f"separation must be finite, got {separation!r} m")
+            return self._judged(solve_at(last, float(separation), tolerance))
+        pressure = as_number("pressure", pressure)
+        if not 0 <= pressure < math.inf:
+            raise InputError(f"pressure must be finite and not negative, got {pressure:g} Pa")
         if heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
@@ -166,16 +168,6 @@ def handed_on(
     return replace(
         state, continuation=last, rows=none, listed=np.empty((4, 0)), tilt=np.empty((0, 2))
     )
-
-
-def _finite(value: float | None, name: str) -> float:
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise InputError(f"{name} must be a finite number, got {value!r}")
-    return number
 
 
 def solve_under(

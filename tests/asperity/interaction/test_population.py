@@ -248,7 +248,7 @@ def test_unusable_input_is_refused(change, message):
         ({"separation": 0.0, "pressure": 1.0}, "either"),
         ({"pressure": -1.0}, "negative"),
         ({"separation": np.nan}, "finite"),
-        ({"separation": "low"}, "finite number, got 'low'"),
+        ({"separation": "low"}, "separation is 'low'"),
         ({"separation": 0.0, "tolerance": 0.0}, "tolerance"),
     ],
 )
