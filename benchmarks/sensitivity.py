@@ -45,7 +45,7 @@ FAMILIES = (
 )
 FACTORS = (0.75, 1.25)
 MATTERS = 0.001
-STATED = "error_estimate", "anchors", "parts"
+STATED = "error_estimate", "anchors", "parts", "run_times", "pixel_uncertainty"
 """Groups of constants that change no load and no area of the model, but what is stated of them."""
 
 COLUMNS = {

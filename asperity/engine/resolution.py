@@ -34,24 +34,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-NARROW = 3.0
-"""Width of a contact [pixels], four times its area over its perimeter, below which it is narrow:
-its area and load depend on the grid. Discs of ten pixels are narrow, and ridges of one pixel."""
-
-DOUBTFUL = 0.5
-"""Least share of the contact area in narrow contacts for which a finer grid is solved."""
-
-TILE = 512
-"""Points along the sides of the part of a larger map, about its highest point, that is refined."""
-
-SAFETY = 1.5
-"""Stated uncertainty over the largest difference between both grids."""
-
-FLOOR = 0.02, 0.05
-"""Least stated uncertainty of load and area."""
-
-LARGE = 0.05, 0.15
-"""Uncertainty of load and area above which a warning is given."""
+FITTED = DEFAULTS.pixel_uncertainty
 
 ACCURACY = 0.05
 """Accuracy in area of the solutions on both grids."""
@@ -117,7 +100,7 @@ def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
     beside = around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:]
     for other in beside:
         perimeter += np.bincount(labels[contact & ~other], minlength=len(pixels))
-    return float(pixels[4 * pixels < NARROW * perimeter].sum() / max(pixels.sum(), 1))
+    return float(pixels[4 * pixels < FITTED.narrow * perimeter].sum() / max(pixels.sum(), 1))
 
 
 def resolution(
@@ -132,11 +115,12 @@ def resolution(
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
     share = narrow_share(point.contact, periodic=boundary == "periodic")
-    held = f"contacts narrower than {NARROW:g} pixels hold {share:.0%} of the lightest contact"
+    narrow, tile = f"contacts narrower than {FITTED.narrow:g} pixels", FITTED.tile
+    held = f"{narrow} hold {share:.0%} of the lightest contact"
     least = DEFAULTS.pixel_waves.to_the_pixel
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
-    if share < DOUBTFUL and not broken:
-        return Resolution(*FLOOR, held)
+    if share < FITTED.doubtful and not broken:
+        return Resolution(*FITTED.floor, held)
     part = representative_part(hm)
     finer = resample(part, np.asarray(part.spacing) / 2)
     if not fits(finer.shape, boundary, 1):
@@ -146,14 +130,14 @@ def resolution(
     middle = math.sqrt(point.mean_pressure * max(heaviest, point.mean_pressure))
     loads = np.unique([point.mean_pressure, middle])
     loads = np.minimum(loads, material.hardness)  # by rounding a solved load may exceed it
-    load, area = np.maximum(FLOOR, _apart(part, finer, material, boundary, loads)).tolist()
+    load, area = np.maximum(FITTED.floor, _apart(part, finer, material, boundary, loads)).tolist()
     if math.isnan(load + area):
         return _unknown(f"{held}, and a load on a grid twice as fine did not converge")
     shares = (f"{x:.0%}" if x < 1 else "all" for x in (load, area))
     warning = CURE.format("{} of the load and {} of the contact area".format(*shares))
-    where = "of the map" if part is hm else f"of {TILE} x {TILE} points about its highest"
+    where = "of the map" if part is hm else f"of {tile} x {tile} points about its highest"
     told = f"{held}; {len(loads)} loads solved on a grid twice as fine {where}"
-    large = load > LARGE[0] or area > LARGE[1]
+    large = load > FITTED.large[0] or area > FITTED.large[1]
     return Resolution(load, area, told, (warning,) if large else ())
 
 
@@ -182,17 +166,18 @@ def _apart(
     rows = parallel.apart(solved, scenes)
     (own, own_area, rate), (fine, fine_area, _) = np.reshape(rows, (2, -1, 3)).transpose(0, 2, 1)
     load, area = np.abs(rate * (own - fine)), np.abs(own_area - fine_area)
-    return SAFETY * float(load.max()), SAFETY * float(area.max())
+    return FITTED.safety * float(load.max()), FITTED.safety * float(area.max())
 
 
 def representative_part(hm: HeightMap) -> HeightMap:
     """The map itself, or the part of a large map about its highest point; tapered if periodic."""
-    if max(hm.shape) <= TILE:
+    tile = FITTED.tile
+    if max(hm.shape) <= tile:
         return hm
     start = [
-        int(np.clip(at - TILE // 2, 0, max(n - TILE, 0)))
+        int(np.clip(at - tile // 2, 0, max(n - tile, 0)))
         for at, n in zip(hm.roughness.summit, hm.shape, strict=True)
     ]
-    rows, columns = ((at, min(at + TILE, n)) for at, n in zip(start, hm.shape, strict=True))
+    rows, columns = ((at, min(at + tile, n)) for at, n in zip(start, hm.shape, strict=True))
     part = hm.cut(rows, columns)
     return make_periodic(part, "taper") if hm.periodic else part

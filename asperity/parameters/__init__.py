@@ -1,5 +1,6 @@
-"""All constants of the microcontact model. This module holds those of the corrections, the switches
-of these, and the limits of the model; `constants` holds the others, and says what "25 %" means.
+"""All constants of the microcontact model and of the engines. This module holds those of the
+corrections, the switches of these, the limits of the model, and what chooses an engine; `constants`
+holds the others, and says what "25 %" means.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ __all__ = [
     "JoinedPairs",
     "Limits",
     "Parameters",
+    "PixelUncertainty",
     "PressedBasins",
+    "RunTimes",
     "SharpTips",
     "TiltedBasins",
 ]
@@ -182,6 +185,79 @@ class SharpTips:
 
 
 @dataclass(frozen=True)
+class RunTimes:
+    """Forecast of run times, from which the engine is chosen; only their ratios decide (measured on
+    two cores, docs/development/verification.md).
+
+    Attributes
+    ----------
+    model
+        Seconds of a curve of the model: constant part, and part per peak that may touch.
+    bem
+        Seconds of boundary elements: constant part; per point of a map of 512 x 512, that of a
+        curve over the square root of its number of loads; that of one load without a neighbor to
+        start from.
+    growth
+        The seconds per point grow with this power [-] of the number of points over 512 x 512.
+    free, yielded
+        Factors [-] on these seconds: without periodicity, where transforms have four times the
+        points; and with a hardness, where loads take more steps and the unloading stiffness is
+        solved too.
+    anchors
+        Expected number of anchors.
+    parts, beside
+        For the engine "sampled": number of parts expected to be solved by boundary elements, over
+        the number of parts along a side [-]; seconds besides these and the curve of the model
+        (models of the parts, one load on the whole map).
+    worth
+        An engine that uses the model is chosen if its forecast is less than this share [-] of that
+        of boundary elements: on surfaces that the model describes badly the time of both is spent.
+    """
+
+    model: tuple[float, float] = (0.06, 3e-5)
+    bem: tuple[float, float, float] = (0.03, 2.0e-7, 1.3e-7)
+    growth: float = 0.2
+    free: float = 2.0
+    yielded: float = 1.5
+    anchors: int = 4
+    parts: float = 1.5
+    beside: float = 1.2
+    worth: float = 0.75
+
+
+@dataclass(frozen=True)
+class PixelUncertainty:
+    """What the pixels of a map leave open, by some loads on a grid twice as fine
+    (docs/development/verification.md).
+
+    Attributes
+    ----------
+    narrow
+        Width of a contact [pixels], four times its area over its perimeter, below which it is
+        narrow: its area and load depend on the grid. Discs of ten pixels are narrow, and ridges of
+        one pixel.
+    doubtful
+        Least share [-] of the contact area in narrow contacts for which a finer grid is solved.
+    tile
+        Points along the sides of the part of a larger map, about its highest point, that is
+        refined.
+    safety
+        Stated uncertainty over the largest difference between both grids [-].
+    floor
+        Least stated uncertainty of load and area [-].
+    large
+        Uncertainty of load and area above which a warning is given [-].
+    """
+
+    narrow: float = 3.0
+    doubtful: float = 0.5
+    tile: int = 512
+    safety: float = 1.5
+    floor: tuple[float, float] = (0.02, 0.05)
+    large: tuple[float, float] = (0.05, 0.15)
+
+
+@dataclass(frozen=True)
 class Corrections:
     """Switches of the corrections of the model (``benchmarks/ablation.py`` has a row for each).
 
@@ -236,6 +312,8 @@ class Parameters:
     error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
     anchors: Anchors = field(default_factory=Anchors)
     parts: Parts = field(default_factory=Parts)
+    run_times: RunTimes = field(default_factory=RunTimes)
+    pixel_uncertainty: PixelUncertainty = field(default_factory=PixelUncertainty)
     limits: Limits = field(default_factory=Limits)
     corrections: Corrections = field(default_factory=Corrections)
 

@@ -10,7 +10,7 @@ import pytest
 import surfaces
 from asperity import HalfSpace, bem_curve, solve
 from asperity.engine import resolution
-from asperity.engine.resolution import FLOOR, narrow_share
+from asperity.engine.resolution import FITTED, narrow_share
 from asperity.halfspace.load_points import default_pressures
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -74,9 +74,9 @@ def test_uncertainty_covers_the_finer_grid(make):
 def test_resolved_contacts_are_told_without_another_solution():
     hm = waves(12.0)
     curve = solve(hm, BODY)
-    assert curve.verification["resolution_uncertainty"] == list(FLOOR)
+    assert curve.verification["resolution_uncertainty"] == list(FITTED.floor)
     load, area = difference(hm, curve.mean_pressure)
-    assert load <= FLOOR[0] and area <= FLOOR[1]
+    assert load <= FITTED.floor[0] and area <= FITTED.floor[1]
     assert not any("pixels" in warning for warning in curve.settings["warnings"])
 
 
