@@ -118,31 +118,13 @@ def _read(mesh, iy, ix, at, patch):
 
 
 @compiled(fastmath=SUMS)
-def gather(
-    rows,
-    y,
-    x,
-    force,
-    variance,
-    cap,
-    own,
-    per_step,
-    scale,
-    size,
-    smooth,
-    aside,
-    near,
-    value,
-    slope,
-    tilt,
-    moved,
-    longer,
-):
+def gather(rows, y, x, force, variance, cap, own, per_step, scale, size, smooth, aside, near, out):
     """Sum of the mesh part, less what each point does to itself there, and the `near` part (n, 6).
 
-    Into `value`, `slope`, `tilt` (n, 2), `moved` and `longer`, times `scale` (3): of lengths, of
-    slopes over variance, which footprints have `size` times, and of gradients.
+    Into `out`, a `Field`, times `scale` (3): of lengths, of slopes over variance, which footprints
+    have `size` times, and of gradients.
     """
+    value, slope, tilt, moved, longer = out
     patch = carray(doubles(), (16,))
     other = carray(floats(), (16,))
     ny, nx = per_step

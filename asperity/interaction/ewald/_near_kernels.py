@@ -136,29 +136,14 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, k, ptr, col, pair):
 
 
 @compiled()
-def active_points(
-    active,
-    stiffness,
-    extra,
-    footprint,
-    own,
-    cap,
-    scale,
-    size,
-    skew,
-    cell,
-    rank,
-    narrow,
-    index,
-    variance,
-    compliance,
-    diagonal,
-    near,
-):
-    """The active points: their places `index`, their variance size (f k)^q with f, q of
-    `footprint`, their own compliance and the diagonal of the matrix less its mesh part over
-    `scale`, and their cells `near`. Of all points their `rank` among these or -1, and in `narrow`
-    (2, n) their variance and that times `skew`, zero where they are not active."""
+def active_points(active, stiffness, extra, footprint, own, cap, scale, moments, cell, out):
+    """The active points, into `out`: of all points their `rank` among these or -1, and in `narrow`
+    (2, n) their variance and that times skew, zero where they are not active; their places `index`,
+    their variance size (f k)^q with f, q of `footprint`, their own compliance and the diagonal of
+    the matrix less its mesh part over `scale`, and their cells `near`. `moments` are size and skew
+    of all points."""
+    size, skew = moments
+    rank, narrow, index, variance, compliance, diagonal, near = out
     factor, exponent = footprint
     f0, f1, f2 = own
     n = 0
@@ -184,26 +169,13 @@ def active_points(
 
 
 @compiled(fastmath=FAST)
-def tangent_list(
-    rows,
-    ptr,
-    col,
-    pair,
-    rank,
-    variance,
-    skew,
-    form,
-    cap,
-    shape,
-    far,
-    beads,
-    power,
-    tptr,
-    tcol,
-    tval,
-):
+def tangent_list(rows, near, rank, variance, skew, form, kernel, tangent):
     """Pairs of active points (rank >= 0) of the rows and their tangent values, from the place of
-    the first row on; `variance`, `skew` and `form` as for `near_fields`."""
+    the first row on, into `tangent`: bounds, columns and values. `near`, `variance`, `skew`, `form`
+    and `kernel` are as for `near_fields`."""
+    ptr, col, pair = near
+    shape, far, beads, cap, power = kernel
+    tptr, tcol, tval = tangent
     s = carray(floats(), (COLUMNS * BLOCK,))
     row = carray(places(), (BLOCK,))
     column = carray(places(), (BLOCK,))

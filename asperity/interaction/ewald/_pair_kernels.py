@@ -166,24 +166,7 @@ def in_split_lengths(variance, growth, moment, size, skew, cap, eta, exact, reco
 
 
 @compiled(fastmath=FAST)
-def near_fields(
-    rows,
-    force,
-    record,
-    wide,
-    form,
-    dipole,
-    cap,
-    ptr,
-    col,
-    pair,
-    value_table,
-    shape,
-    far,
-    beads,
-    power,
-    out,
-):
+def near_fields(rows, force, record, wide, form, dipole, near, kernel, value_table, out):
     """Near pairs of the rows, both ways, into `out` (n, 6): v0, v1, gradient, field of shifts, and
     what v0 lacks for footprints that are not round.
 
@@ -192,8 +175,11 @@ def near_fields(
     as the mesh does. `record` (n, 4) holds the variance; that of the footprints of the gradients,
     `wide` in single precision, the mean of receiver and source; by how much these differ from round
     ones; and what the mesh takes of the variance. Moments of the footprints over their variance are
-    `form` (3, n), yy, xx, xy; `dipole` (n, 2) are forces times shifts.
+    `form` (3, n), yy, xx, xy; `dipole` (n, 2) are forces times shifts. `near` are `NearPairs`,
+    `kernel` is `Interaction.kernel`, its first table in double precision the `value_table`.
     """
+    ptr, col, pair = near
+    shape, far, beads, cap, power = kernel
     out[:] = 0.0
     s = carray(floats(), (COLUMNS * BLOCK,))
     d = carray(columns(), (COLUMNS * BLOCK,))

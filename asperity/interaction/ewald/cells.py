@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CHEAP_PAIRS",
     "CUT_RATIO",
+    "NearPairs",
     "TwoLevelPreconditioner",
     "chunks",
     "long_enough",
@@ -157,6 +158,15 @@ def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64])
     each(lambda c: loop(c, rows[c]), range(len(rows)))
 
 
+class NearPairs(NamedTuple):
+    """Pairs of points i < j within a cut-off: the bounds (n, 2) of those of each i, their columns j
+    and their distances by y and x, (2, pairs)."""
+
+    ptr: NDArray[np.int64]
+    col: NDArray[np.int32]
+    pair: NDArray[np.float32]
+
+
 def near_pairs(
     y: NDArray[np.float64],
     x: NDArray[np.float64],
@@ -165,8 +175,8 @@ def near_pairs(
     size: tuple[float, float],
     wrap: bool,
     cut: float,
-) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
-    """Pairs i < j within the cut-off: bounds (n, 2), columns, distances by y and x (2, pairs)."""
+) -> NearPairs:
+    """Pairs within the cut-off of points sorted by their cells."""
     n = len(y)
     count = max(1, min(threads(), n // 2000, cells[0]))
     edges = np.linspace(0, cells[0], count + 1).astype(np.int64)
@@ -185,7 +195,7 @@ def near_pairs(
         first[1:] = end[:-1]
         col, pair = np.zeros(end[-1], np.int32), np.zeros((2, end[-1]), np.float32)
         run(find, rows)
-    return ptr, col, pair
+    return NearPairs(ptr, col, pair)
 
 
 def chunks(pairs: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -17,7 +17,16 @@ from asperity.halfspace.footprint import Footprints, at_origin, pair_table, smoo
 from surfaces.numerics.parallel import each
 
 from . import _mesh_kernels, _near_kernels, _pair_kernels
-from .cells import TwoLevelPreconditioner, chunks, long_enough, near_pairs, run, split_length, total
+from .cells import (
+    NearPairs,
+    TwoLevelPreconditioner,
+    chunks,
+    long_enough,
+    near_pairs,
+    run,
+    split_length,
+    total,
+)
 from .mesh import Mesh, SmoothField, mesh_of
 
 __all__ = ["VARIANCE_CAP", "Field", "Interaction"]
@@ -97,8 +106,11 @@ class Interaction:
     order
         Points sorted by cell list, shape (n,): every vector given to or returned by the plan is
         `vector[order]`.
-    pairs
-        Number of near pairs.
+    near, pairs
+        The near pairs, and their number.
+    kernel
+        What loops over near pairs read of the kernel: its tables (`_tables`), `BEADS`,
+        `VARIANCE_CAP` and the exponent of its decay.
     two_level
         The points by cells.
     unit
@@ -155,7 +167,7 @@ class Interaction:
         self.y, self.x = y[self.order], x[self.order]
         self.size, self.wrap, self.cut = size, periodic, cut
 
-        def pairs() -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+        def pairs() -> NearPairs:
             return near_pairs(self.y, self.x, start, cells, size, periodic, cut)
 
         def meshes() -> tuple[Mesh, Mesh]:
@@ -165,26 +177,27 @@ class Interaction:
             )
 
         near, mesh = each(lambda part: part(), (pairs, meshes))
-        self.ptr, self.col, self.pair = near
+        self.near: NearPairs = near
         self.mesh: Mesh = mesh[0]
         self.mesh_aside = self.mesh.single
         self.tangent_mesh: Mesh = mesh[1]
         self.two_level = TwoLevelPreconditioner(
             self.y, self.x, size, self.sides, periodic, footprints
         )
-        self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
+        self.value_table, *tables = _tables(footprints.m, cut * cut)
+        self.kernel = (*tables, BEADS, VARIANCE_CAP, footprints.power)
         self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
         self.unit = math.ldexp(1.0, math.frexp(self.eta / self.scale)[1])
         self.scales = self.scale * self.unit * np.array([1.0, self.eta**-2, 1 / self.eta])
-        counts = self.ptr[:, 1] - self.ptr[:, 0]
+        counts = np.diff(near.ptr, axis=1)[:, 0]
         self.pairs = int(counts.sum())
         self.rows = chunks(counts)
         self.part = np.zeros((len(self.rows), len(y), 6))
         self.masses = np.zeros((1, *self.mesh.shape))
         self.aside = np.zeros((1, *self.mesh.shape), np.float32)
-        self.tangent_col = np.empty(len(self.col) + 1, np.int32)
-        self.tangent_value = np.empty(len(self.col) + 1, np.float32)
+        self.tangent_col = np.empty(len(near.col) + 1, np.int32)
+        self.tangent_value = np.empty(len(near.col) + 1, np.float32)
         self.smooth: SmoothField | None = None
         self.round = np.tile(ROUND_MOMENTS, (len(y), 1))
         self.form = (np.empty(0), np.empty(0), np.empty(0), np.empty(0, np.float32))
@@ -230,31 +243,16 @@ class Interaction:
                 wide,
                 shape,
                 dipole,
-                VARIANCE_CAP,
-                self.ptr,
-                self.col,
-                self.pair,
+                self.near,
+                self.kernel,
                 self.value_table,
-                self.shape,
-                self.far,
-                BEADS,
-                self.footprints.power,
                 self.part[c],
             )
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
-            place = (
-                self.y,
-                self.x,
-                force,
-                m,
-                VARIANCE_CAP,
-                self.own,
-                self.mesh.per_step,
-                self.scales,
-            )
+            place = self.y, self.x, force, m, VARIANCE_CAP, self.own, self.mesh.per_step
             near = total(self.part, rows)
-            _mesh_kernels.gather(rows, *place, size, smooth, other, near, *found)
+            _mesh_kernels.gather(rows, *place, self.scales, size, smooth, other, near, found)
 
         parts: list[Callable[[], Any]] = [
             far,
@@ -283,9 +281,10 @@ class Interaction:
             _inside(place + step, size, self.wrap)
             for place, step, size in zip((self.y, self.x), steps, self.size, strict=True)
         )
-        row = np.repeat(np.arange(len(dy)), np.diff(self.ptr[:, 0], append=len(self.col)))
-        change = [(step[row] - step[self.col]).astype(np.float32) for step in steps]
-        plan.pair = self.pair + np.stack(change)
+        ptr, col, pair = self.near
+        row = np.repeat(np.arange(len(dy)), np.diff(ptr[:, 0], append=len(col)))
+        change = [(step[row] - step[col]).astype(np.float32) for step in steps]
+        plan.near = NearPairs(ptr, col, pair + np.stack(change))
         return plan
 
     def shaped(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from . import _mesh_kernels, _near_kernels
 from .cells import run, total
-from .operator import BEADS, VARIANCE_CAP, Interaction
+from .operator import VARIANCE_CAP, Interaction
 
 __all__ = ["Tangent"]
 
@@ -51,22 +51,14 @@ class Tangent:
             plan.own,
             VARIANCE_CAP,
             plan.scale,
-            size,
-            skew,
+            (size, skew),
             plan.two_level.cell,
-            rank,
-            narrow,
-            self.index,
-            variance,
-            self.compliance,
-            self.diagonal,
-            self.cell,
+            (rank, narrow, self.index, variance, self.compliance, self.diagonal, self.cell),
         )
         single, skewed = narrow
         rows = np.searchsorted(self.index, plan.rows)
         self.rows = rows if n * plan.pairs > PAIRS_PER_THREAD * len(active) else np.array([[0, n]])
-        self.ptr = np.zeros((n, 2), np.int64)
-        self.col, self.value = plan.tangent_col, plan.tangent_value
+        self.pairs = np.zeros((n, 2), np.int64), plan.tangent_col, plan.tangent_value
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
         self.grids = np.empty((len(self.rows), 1, *plan.tangent_mesh.shape), np.float32)
         self.part = np.empty((len(self.rows), n))
@@ -84,24 +76,8 @@ class Tangent:
                 self.place,
                 self.weight,
             )
-            _near_kernels.tangent_list(
-                plan.rows[c],
-                plan.ptr,
-                plan.col,
-                plan.pair,
-                rank,
-                single,
-                skewed,
-                parts,
-                VARIANCE_CAP,
-                plan.shape,
-                plan.far,
-                BEADS,
-                plan.footprints.power,
-                self.ptr,
-                self.col,
-                self.value,
-            )
+            narrowed = rank, single, skewed, parts
+            _near_kernels.tangent_list(plan.rows[c], plan.near, *narrowed, plan.kernel, self.pairs)
 
         run(rows_of, rows)
 
@@ -127,7 +103,7 @@ class Tangent:
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
-            _near_kernels.near_tangent(rows, self.ptr, self.col, self.value, vector, self.part[c])
+            _near_kernels.near_tangent(rows, *self.pairs, vector, self.part[c])
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.collect(

@@ -180,13 +180,13 @@ def test_near_pairs_are_all_pairs_within_the_cut_off(n, neighbors, boundary):
         size = np.array(plan.size)[:, None, None]
         away -= size * np.round(away / size)
     i, j = np.nonzero(np.triu((away**2).sum(axis=0) < plan.cut**2, 1))
-    runs = [np.arange(first, last) for first, last in plan.ptr]
+    runs = [np.arange(first, last) for first, last in plan.near.ptr]
     row, place = np.repeat(np.arange(n), [len(run) for run in runs]), np.concatenate(runs)
-    order = np.lexsort((plan.col[place], row))
+    order = np.lexsort((plan.near.col[place], row))
     row, place = row[order], place[order]
     assert plan.pairs == len(i)
-    np.testing.assert_array_equal((row, plan.col[place]), (i, j))
-    np.testing.assert_allclose(plan.pair[:, place], away[:, i, j], atol=1e-6)
+    np.testing.assert_array_equal((row, plan.near.col[place]), (i, j))
+    np.testing.assert_allclose(plan.near.pair[:, place], away[:, i, j], atol=1e-6)
 
 
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
