@@ -89,7 +89,7 @@ def add_solving_options(parser: argparse.ArgumentParser) -> None:
     options.add_load_options(parser)
     parser.add_argument(
         "--method",
-        choices=["curve", "bem", "solve"],
+        choices=OPTIONS,
         default="curve",
         help="what solves: the microcontact model, boundary elements, or the cheaper of both to "
         "an accuracy (default curve)",
