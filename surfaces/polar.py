@@ -150,15 +150,6 @@ class PolynomialProfile(PowerSumProfile):
         super().__init__(degrees, [_homogeneous(coefficients, n) for n in degrees])
         object.__setattr__(self, "coefficients", dict(coefficients))
 
-    def __call__(self, r: ArrayLike, phi: ArrayLike) -> Array:
-        """Gap f [m] at radius `r` [m] and angle `phi` [rad] (broadcast)."""
-        table = np.zeros(np.max(list(self.coefficients), axis=0) + 1)
-        for power, value in self.coefficients.items():
-            table[power] = value
-        r, phi = np.asarray(r, float), np.asarray(phi, float)
-        x, y = r * np.cos(phi), r * np.sin(phi)
-        return np.asarray(np.polynomial.polynomial.polyval2d(x, y, table))
-
 
 @dataclass(frozen=True, eq=False)
 class PolarProfile:
