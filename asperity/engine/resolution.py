@@ -91,7 +91,8 @@ class LightestLoad:
 
 
 def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
-    """Share of the contact area in narrow (`NARROW`) contacts; their pixels meet at edges."""
+    """Share of the contact area in narrow contacts (`PixelUncertainty`); their pixels meet at
+    edges."""
     labels, _ = label_patches(contact, periodic=periodic, corners=False)
     pixels = np.bincount(labels[contact])
     perimeter = np.zeros_like(pixels)
@@ -109,7 +110,8 @@ def resolution(
     """Resolution of a curve from its `lightest` load point to its `heaviest` mean pressure [Pa].
 
     One or two of its loads are solved on a grid twice as fine. No finer grid is solved if the
-    waves of the map end well above its pixels and few contacts are narrow: the `FLOOR` is stated.
+    waves of the map end well above its pixels and few contacts are narrow: the least uncertainty is
+    stated.
     """
     point = lightest.point
     if point is None:
@@ -149,8 +151,8 @@ def _unknown(told_by: str) -> Resolution:
 def _apart(
     hm: HeightMap, finer: HeightMap, material: HalfSpace, boundary: Boundary, pressures: Array
 ) -> tuple[float, float]:
-    """Uncertainty of load and area: `SAFETY` times the largest difference between a map and the
-    same map on a finer grid, over the mean pressures [Pa]."""
+    """Uncertainty of load and area: `PixelUncertainty.safety` times the largest difference between
+    a map and the same map on a finer grid, over the mean pressures [Pa]."""
 
     def solved(scene: tuple[HeightMap, float]) -> Array:
         """Separation, logarithm of the contact area, and stiffness over mean pressure, which is set
