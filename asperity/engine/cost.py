@@ -31,10 +31,11 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
     points, side = math.prod(hm.shape), parts_along(hm, plan.solved(hm))
     peaks = peaks_above(plan.solved(hm), plan.above)
     model = FITTED.model[0] + FITTED.model[1] * peaks
-    dearer = FITTED.free if plan.boundary == "free" else 1.0
+    fine = 1.0 + (peaks_above(hm, None) / (FITTED.fine * points)) ** 2
+    dearer = fine * (FITTED.free if plan.boundary == "free" else 1.0)
     dearer *= FITTED.yielded if material.hardness < math.inf else 1.0
     each = FITTED.bem[2] * dearer * _unit(points)
-    part = _curve(points / side**2, DEFAULTS.parts.loads, 1.0)
+    part = _curve(points / side**2, DEFAULTS.parts.loads, fine)
     return {
         "bem": _curve(points, loads, dearer),
         "anchored": model + FITTED.bem[0] + each * min(FITTED.anchors, loads),

@@ -198,13 +198,22 @@ def test_forecast_knows_what_makes_boundary_elements_dearer():
     assert plain["sampled"] == free["sampled"] == both["sampled"]
 
 
+def test_many_small_contacts_take_boundary_elements_longer():
+    """2.5 times as long to the pixel with H 0.3 as with a cut-off, which the forecast did not tell:
+    maps of 1536^2 were left to boundary elements where parts take half of their time."""
+    shapes = {"hurst": 0.3, "cutoff": None}, {"hurst": 0.5, "cutoff": None}, {"cutoff": 8.0}
+    maps = [waves(512, **shape) for shape in shapes]
+    rough, medium, smooth = (forecast(hm, BODY, make_plan(hm, BODY), 10)["bem"] for hm in maps)
+    assert 1.8 < rough / smooth < 2.8 and 1.4 < medium / smooth < rough / smooth
+
+
 def test_parts_are_taken_where_the_model_solves_the_map_as_it_is():
     """Its time follows the peaks that may touch: by points boundary elements seemed cheaper, which
     take twice as long here and eight times at 4096^2."""
     fine, coarse = waves(1536, cutoff=8.0, rolloff=60.0), waves(1536, cutoff=16.0, rolloff=60.0)
     many, few = (forecast(hm, BODY, make_plan(hm, BODY), 10) for hm in (fine, coarse))
     assert many["sampled"] < min(many["bem"], many["anchored"])
-    assert few["bem"] == many["bem"] and few["anchored"] < many["anchored"]
+    assert few["bem"] == pytest.approx(many["bem"], rel=0.02) and few["anchored"] < many["anchored"]
 
 
 def test_a_model_without_an_answer_leaves_all_to_boundary_elements():
