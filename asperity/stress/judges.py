@@ -130,11 +130,11 @@ def _apart(first: ContactCurve, second: ContactCurve, length: float = 1.0) -> tu
     that both have; lengths of the second curve are `length` times those of the first."""
     both = first.converged & second.converged & (first.mean_pressure > 0.0)
     fall = np.abs(second.separation / length - first.separation)[both]
-    load = fall * (first.stiffness / first.mean_pressure)[both]
     # a separation tells no load in full contact, nor where loads differ by less than its rounding
     told = first.area_fraction[both] < 1.0 - 1e-9
     told &= fall > 1e-14 * np.abs(first.separation).max()
-    load = np.where(told, load, 0.0)
+    slope = np.where(told, (first.stiffness / first.mean_pressure)[both], 0.0)
+    load = fall * slope
     area = np.abs(np.log(second.area_fraction[both] / first.area_fraction[both]))
     return load, area
 
