@@ -28,6 +28,7 @@ THEMES = [
     "aspect ratios",
     "moduli",
     "lengths",
+    "loads",
     "slopes",
     "same surface",
     "offset of heights",
