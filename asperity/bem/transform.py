@@ -112,12 +112,18 @@ class _Whole:
 class FFTWTransform(_Whole):
     """FFTW pair whose output lies in the buffer of the spectrum."""
 
-    def __init__(self, *how: Any) -> None:
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        padded: tuple[int, int],
+        dtype: np.dtype[Any],
+        scratch: Scratch,
+    ) -> None:
         import pyfftw
 
-        super().__init__(*how)
-        (ny, nx), rows, scratch = self._padded, len(self.values), how[-1]
-        complex_type = np.result_type(self.values.dtype, np.complex64)
+        super().__init__(shape, padded, dtype, scratch)
+        (ny, nx), rows = padded, shape[0]
+        complex_type = np.result_type(dtype, np.complex64)
         self.output = self._spectrum = scratch.zeros((ny, nx // 2 + 1), complex_type)
         self.grid = self._spectrum.view(self.values.dtype)[:rows]
 
@@ -155,9 +161,15 @@ class FFTWTransform(_Whole):
 class ScipyTransform(_Whole):
     """Pair of scipy.fft."""
 
-    def __init__(self, *how: Any) -> None:
-        super().__init__(*how)
-        self.output = self.grid = how[-1].zeros(self.values.shape, self.values.dtype)
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        padded: tuple[int, int],
+        dtype: np.dtype[Any],
+        scratch: Scratch,
+    ) -> None:
+        super().__init__(shape, padded, dtype, scratch)
+        self.output = self.grid = scratch.zeros(self.values.shape, dtype)
 
     def apply(self, symbol: NDArray[Any]) -> None:
         """Convolve `values` into `grid`."""

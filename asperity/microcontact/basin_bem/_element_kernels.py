@@ -117,13 +117,13 @@ def _turn(heights, tilt, place, rows, cols, count, level, spacing):
 @inner()
 def _sample(
     heights, labels, owner, periodic, flat, width, tilt, peak, place, top, depth, below, spacing,
-    turn, box, points, lap, inside, stack,
+    turn, box, points, penetration, inside, stack,
 ):  # fmt: skip
     """Grid of about `points` elements over the box (u0, u1, v0, v1) [m], turned about the summit.
 
-    Fills `lap` (overlap [m] with the flat) and `inside` (elements connected to the highest one,
-    down to `below` [m] under the flat), and tightens the box to the elements that overlap. Returns
-    the shape, the sides, the row of `ASPECTS`, the first corner, and the number that overlap.
+    Fills `penetration` [m] and `inside` (elements connected to the highest one, down to `below` [m]
+    under the flat), and tightens the box to the elements that overlap with the flat. Returns the
+    shape, the sides, the row of `ASPECTS`, the first corner, and the number that overlap.
     """
     ny, nx = heights.shape
     along, across = box[1] - box[0], box[3] - box[2]
@@ -143,7 +143,7 @@ def _sample(
             u, v = u0 + j * hu, v0 + i * hv
             y, x = place[0] + (s * u + c * v) / spacing[0], place[1] + (c * u - s * v) / spacing[1]
             k = i * nu + j
-            lap[k], inside[k] = -np.inf, 0
+            penetration[k], inside[k] = -np.inf, 0
             row, col = math.floor(y + 0.5), math.floor(x + 0.5)
             fall = tilt[0] * (y - place[0]) + tilt[1] * (x - place[1])
             if periodic:
@@ -153,10 +153,10 @@ def _sample(
                 continue
             own = labels[row, col]
             if own >= 0 and owner[own] == peak:
-                lap[k] = depth - max(top - (expand(flat, width, y, x)[0] - fall), 0.0)
+                penetration[k] = depth - max(top - (expand(flat, width, y, x)[0] - fall), 0.0)
                 away = u * u + v * v  # all of a flat top are alike
-                if lap[k] > best or (lap[k] == best and away < nearest):
-                    best, nearest, first = lap[k], away, k
+                if penetration[k] > best or (penetration[k] == best and away < nearest):
+                    best, nearest, first = penetration[k], away, k
     if first < 0:
         return 0, 0, 0.0, 0.0, 0, u0, v0, 0
     stack[0], count, done, over = first, 1, 0, 0
@@ -167,16 +167,17 @@ def _sample(
         k = stack[done]
         done += 1
         i, j = k // nu, k % nu
-        if lap[k] > 0.0:
+        if penetration[k] > 0.0:
             over += 1
             low_u, high_u = min(low_u, j), max(high_u, j)
             low_v, high_v = min(low_v, i), max(high_v, i)
         for step in range(9):
             a, b = i + step // 3 - 1, j + step % 3 - 1
-            if 0 <= a < nv and 0 <= b < nu and not inside[a * nu + b] and lap[a * nu + b] > -below:
-                inside[a * nu + b] = 1
-                stack[count] = a * nu + b
-                count += 1
+            if 0 <= a < nv and 0 <= b < nu:
+                k = a * nu + b
+                if not inside[k] and penetration[k] > -below:
+                    inside[k], stack[count] = 1, k
+                    count += 1
     box[0], box[1] = u0 + (low_u - 0.7) * hu, u0 + (high_u + 0.7) * hu
     box[2], box[3] = v0 + (low_v - 0.7) * hv, v0 + (high_v + 0.7) * hv
     return nv, nu, hv, hu, kind, u0, v0, over
@@ -193,7 +194,7 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
     peak_row, peak_col, places, tops, axes, curvature, floors, tilts = summits
-    (mark, pixel_rows, pixel_cols), (lap, inside, stack, number, box), scratch = space
+    (mark, pixel_rows, pixel_cols), (penetration, inside, stack, number, box), scratch = space
     overlap, row, col = scratch[2], scratch[4], scratch[5]
     (ny, nx), rim = heights.shape, max(spacing[0], spacing[1])
     top, tilt = tops[peak], tilts[peak]
@@ -230,7 +231,7 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
         size = (box[1] - box[0]) * (box[3] - box[2])
         nv, nu, hv, hu, kind, u0, v0, over = _sample(
             heights, labels, owner, periodic, flat, width, tilt, peak, place, top, depth,
-            below, spacing, turn, box, wanted, lap, inside, stack,
+            below, spacing, turn, box, wanted, penetration, inside, stack,
         )  # fmt: skip
         tighter = (box[1] - box[0]) * (box[3] - box[2]) / size
         finer = enough * tighter / max(over, 1)
@@ -242,8 +243,8 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
     total = np.int64(0)
     number[: nv * nu] = OUTSIDE
     for k in range(nv * nu):
-        if inside[k] and lap[k] > 0.0 and total < MOST_ELEMENTS:
-            row[total], col[total], overlap[total] = k // nu, k % nu, lap[k] / depth
+        if inside[k] and penetration[k] > 0.0 and total < MOST_ELEMENTS:
+            row[total], col[total], overlap[total] = k // nu, k % nu, penetration[k] / depth
             number[k] = total
             total += 1
     if total == MOST_ELEMENTS:
