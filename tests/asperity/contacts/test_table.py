@@ -1,4 +1,4 @@
-"""Outlines of contacts whose shape changes with depth, against the law of the single contact."""
+"""Outlines of contacts, against the law of the single contact; distribution of contact sizes."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import surfaces
-from asperity import HalfSpace, indent
+from asperity import HalfSpace, indent, size_distribution
 from asperity.contacts.table import DIRECTIONS, outlines
+from asperity.errors import InputError
 from asperity.interaction.elongation import aspect_ratio
 from surfaces.shapes import bent_body
 
@@ -34,3 +35,46 @@ def test_outlines_follow_the_shape_at_their_depth(m, error):
         )
         assert np.sqrt(np.mean((radii[0] / one.contour(turn) - 1) ** 2)) < error
         assert filled[0] == 0.0
+
+
+def test_every_contact_is_in_one_bin_and_all_the_area_is_shared():
+    area = np.random.default_rng(1).lognormal(-25, 2, 500)
+    table = size_distribution(area, bins=7)
+    assert len(table) == 7 and table["contacts"].sum() == 500
+    assert table["area_share"].sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(table["upper"][:-1], table["lower"][1:])
+    inside = (area >= table["lower"][3]) & (area < table["upper"][3])
+    assert table["contacts"][3] == np.count_nonzero(inside)
+    assert table["area_share"][3] == pytest.approx(area[inside].sum() / area.sum())
+
+
+def test_power_law_has_its_exponent():
+    """n(A) ~ A^-2 puts half as many contacts into each bin twice as wide."""
+    area = 1.0 / (1.0 - np.linspace(0, 1 - 2.0**-10, 100_001))
+    contacts = size_distribution(area, bins=10)["contacts"]
+    np.testing.assert_allclose(contacts[1:] / contacts[:-1], 0.5, rtol=0.02)
+
+
+@pytest.mark.parametrize(("area", "rows"), [([], 0), ([2.0], 4), ([2.0, 2.0], 4)])
+def test_few_and_equal_contacts(area, rows):
+    table = size_distribution(area, bins=4)
+    assert len(table) == rows and table["contacts"].sum() == len(area)
+
+
+@pytest.mark.parametrize(
+    ("area", "bins", "match"),
+    [
+        ([-1.0], 3, "positive"),
+        ([np.nan], 3, "finite"),
+        ([1.0], 0, "at least 1"),
+        ([1.0], 2.5, "whole number"),
+    ],
+)
+def test_what_is_no_area_or_no_bin(area, bins, match):
+    with pytest.raises(InputError, match=match):
+        size_distribution(area, bins=bins)
+
+
+def test_a_whole_table_is_no_column():
+    with pytest.raises(InputError, match="the column"):
+        size_distribution(np.ones(3, dtype=[("area", float), ("force", float)]))
