@@ -52,8 +52,8 @@ REFINED_RESIDUAL = 0.03
 """Residual above which a step evaluates the laws twice (`Step.refine`)."""
 
 AVERAGING_CONTACTS = 400
-"""Number of closed contacts whose errors of both signs average out. Under a load, the bound on the
-residual of fewer contacts is smaller in proportion."""
+"""Number of closed contacts whose errors of both signs average out. The steps of fewer contacts aim
+at a residual that is smaller in proportion."""
 
 MISSED_LOAD = 1e-3
 """Relative error of the load above which the last step counts as failed."""
@@ -73,6 +73,7 @@ def descent(
     start: Array,
     *,
     tolerance: float,
+    aim: float = 1.0,
     tilt: Array | None = None,
     load: float | None = None,
     compliance: Array | None = None,
@@ -90,6 +91,9 @@ def descent(
         Approaches [m] to start from, shape (n,). Laws of positive approaches are made.
     tolerance
         Bound on `Solution.residual`; under a `load`, half of it bounds the error of the load.
+    aim
+        Share of the tolerance that the steps aim at: they end there, or within the tolerance when
+        their number is reached.
     tilt
         Gradients [-] that the contact shifts start from, shape (n, 2); None: zero.
     load
@@ -116,13 +120,13 @@ def descent(
     for bound in (tolerance, CLOSER * tolerance):
         # a call of its own, so that the arrays of its last step are freed before `finished`
         solution = yield from _newton_steps(
-            problem, separation, start, tilt, load, compliance, bound
+            problem, separation, start, tilt, load, compliance, bound, aim
         )
-        if load is None or solution.reason:
+        if solution.reason:
             return solution
         assert solution.linearized is not None
         final = finished(solution.linearized, solution, load)
-        missed = abs(final.load / load - 1.0)
+        missed = 0.0 if load is None else abs(final.load / load - 1.0)
         if missed <= MISSED_LOAD:
             return final
         separation, start, tilt = solution.separation, solution.approach, solution.tilt
@@ -137,8 +141,9 @@ def _newton_steps(
     load: float | None,
     compliance: Array,
     tolerance: float,
+    aim: float,
 ) -> Generator[NDArray[np.int64], None, Solution]:
-    """`descent` without the last step under a load (`finished`); arguments as there."""
+    """`descent` without the last step (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_NEWTON_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
@@ -154,8 +159,8 @@ def _newton_steps(
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)
         closed = int(np.count_nonzero(state.approach))
-        few = 1.0 if load is None else min(1.0, closed / AVERAGING_CONTACTS)
-        if error <= few * tolerance and wrong <= 0.5 * tolerance:
+        few = min(1.0, closed / AVERAGING_CONTACTS)
+        if error <= aim * few * tolerance and wrong <= 0.5 * tolerance:
             break
         if load is not None and not state.active.any():
             reason = "no contact is left to carry the load"
