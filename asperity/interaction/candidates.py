@@ -67,7 +67,7 @@ and with it their centres, back and forth."""
 
 @dataclass(frozen=True, eq=False)
 class CandidateList:
-    """Summits that may touch, in the order of the points of `problem.plan`.
+    """Summits that may touch, in the order of the points of `problem.coupling`.
 
     Attributes
     ----------
@@ -131,19 +131,23 @@ class CandidateList:
         dx, dy = offset[:, index]
         some = slice(None, None, 1 + len(closed) // SAMPLED_CONTACTS)
         law = system.laws.rows(closed[some])(FOOTPRINT_GROWTH * approach[some])
-        plan = Interaction(
+        form = None
+        if elongation is not None and system.contact_shift:
+            form = elongation.moments[index]
+        coupling = Interaction(
             system.y[index] + dy,
             system.x[index] + dx,
             system.cell,
             system.boundary,
             system.footprints,
+            form=form,
             widest=_widest(system.footprints, elongation, closed[some], law),
         )
-        index = index[plan.order]
+        index = index[coupling.order]
         problem = Problem(
             height=system.height[index],
             laws=system.laws.rows(index),
-            plan=plan,
+            coupling=coupling,
             contact_shift=system.contact_shift,
             elongation=None if elongation is None else elongation.rows(index),
             fitted=system.parameters.contact_shift,
@@ -195,8 +199,8 @@ class CandidateList:
         laws.make()
         law = laws(values[0, some])
         elongation = None if self.problem.elongation is None else system.elongation
-        plan = self.problem.plan
-        if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
+        coupling = self.problem.coupling
+        if not coupling.holds(_widest(coupling.footprints, elongation, rows[some], law)):
             return None
         many = min(1.0, len(touches) / MANY_CONTACTS)
         bound = max(LARGEST_FIELD_ERROR, many * ERROR_PER_TOLERANCE * tolerance)
@@ -204,7 +208,7 @@ class CandidateList:
         if not self._strayed(system, *seen):
             return self
         closed, approach = rows[touches], values[0, touches]
-        paired, skin = self.paired[:, closed], PAIR_LIST_SKIN * plan.eta
+        paired, skin = self.paired[:, closed], PAIR_LIST_SKIN * coupling.eta
         reach = system.table.centre_at(closed, approach) - paired
         far = (np.abs(reach) > skin).any(axis=0)
         if values[1, touches[far]].sum() > many * LARGEST_LEAPING_LOAD * values[1].sum():
@@ -216,7 +220,7 @@ class CandidateList:
         back = np.sum(change * self.moved, axis=0) < 0
         change[:, back] *= RETURNING_SHARE
         dx, dy = change[:, self.index]
-        problem = replace(self.problem, plan=plan.moved(dy, dx))
+        problem = replace(self.problem, coupling=coupling.moved(dy, dx))
         return replace(self, problem=problem, offset=self.offset + change, moved=change)
 
     def _strayed(
@@ -244,7 +248,7 @@ class CandidateList:
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
         tilts = solution.tilt, problem.radii
-        return widened(problem.plan.footprints, law, depth, *tilts, rough, problem.fitted)
+        return widened(problem.coupling.footprints, law, depth, *tilts, rough, problem.fitted)
 
 
 def _lowest(field: SmoothField | None, growth: float) -> float:

@@ -119,7 +119,8 @@ def solve_at(
         if solution.reason and long and good is None and placed < MAX_LISTS:
             listed, rounded = None, True  # round footprints may converge where long ones do not
             continue
-        field, values, separation = listed.problem.plan.smooth, solution.values, solution.separation
+        field, values = listed.problem.coupling.smooth, solution.values
+        separation = solution.separation
         current = listed
         if solution.reason and good is not None:
             current, solution, values = good  # the solution before its points were moved
@@ -150,8 +151,8 @@ class Start(NamedTuple):
     """Start of the solve of a point.
 
     `values` are the predicted `Point.values` of the summits `rows`; `growth` and `spare` are those
-    of `CandidateList.of`, whose separation is to be raised by `rise` [m]. `listed` is the list of
-    the last point if it serves this point too, else None.
+    of `CandidateList.of`, whose separation is to be raised by `rise` [m]. `candidates` is the list
+    of the last point if it serves this point too, else None.
     """
 
     rows: Rows
@@ -159,7 +160,7 @@ class Start(NamedTuple):
     growth: float
     spare: float
     rise: float
-    listed: CandidateList | None
+    candidates: CandidateList | None
 
 
 def start_of(

@@ -163,8 +163,8 @@ def handed_on(
         separation = last.predicted_separation(pressure)
     if separation is None or len(last.candidates.index) < LARGE_LIST:
         return state
-    listed = start_of(last, separation, pressure, tolerance).listed
-    last = last.without_contacts() if listed is None else replace(last, candidates=listed)
+    kept = start_of(last, separation, pressure, tolerance).candidates
+    last = last.without_contacts() if kept is None else replace(last, candidates=kept)
     none = np.empty(0, np.int64)
     return replace(
         state, continuation=last, rows=none, listed=np.empty((4, 0)), tilt=np.empty((0, 2))

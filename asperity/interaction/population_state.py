@@ -169,7 +169,7 @@ class Continuation:
         return replace(
             self,
             candidates=candidates,
-            field=candidates.problem.plan.smooth,
+            field=candidates.problem.coupling.smooth,
             points=(*self.points[1 - POINTS_KEPT :], point),
             heaviest=heaviest,
             solution=solution,
@@ -334,7 +334,7 @@ class PopulationState:
         load = stiffness[closed]
         if last.candidates is not None and closed.any():
             problem = last.candidates.problem
-            tangent = Tangent(problem.plan, closed, stiffness, None, problem.form)
+            tangent = Tangent(problem.coupling, closed, stiffness)
             ones = np.ones(len(tangent.index))
             load = conjugate_gradients(tangent, ones, tolerance=UNLOADING_TOLERANCE).solution
         return float(load.sum()) / last.system.nominal_area

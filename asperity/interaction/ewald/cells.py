@@ -60,7 +60,7 @@ MOST_PAIRS = 2_000_000
 """Near pairs, twice over, up to which footprints may ask for more."""
 
 CUT_RATIO = 1.19
-"""Ratio of the cut-offs that plans of a periodic cell may have: they share meshes then."""
+"""Ratio of the cut-offs that interactions in a periodic cell may have: they share meshes then."""
 
 PAIRS_PER_THREAD = 25_000
 """Pairs whose part of a field repays a thread."""
@@ -132,7 +132,7 @@ def _least_cut(
 
 
 def _repeated(wanted: float, least: float, largest: float) -> float:
-    """The cut-off nearest to that wanted, but no more than the largest, of those that plans share;
+    """The cut-off nearest to that wanted, but no more than the largest, of those that lists share;
     the next one where it is below the least."""
     rungs = max(round(math.log(largest / wanted, CUT_RATIO)), 0)
     if largest * CUT_RATIO**-rungs < least:

@@ -29,7 +29,7 @@ from .cells import (
 )
 from .mesh import Mesh, SmoothField, mesh_of
 
-__all__ = ["VARIANCE_CAP", "Field", "Interaction"]
+__all__ = ["ROUND", "VARIANCE_CAP", "Field", "Interaction"]
 
 CUT_OVER_SPLIT_LENGTH = 2.0
 """Cut-off distance of the near pairs, over the split length eta."""
@@ -47,8 +47,8 @@ NODES_PER_SPLIT_LENGTH = 1.7
 TANGENT_NODES = 0.7
 """Mesh nodes of tangents over those of fields, each way: their products differ by 0.1 % then."""
 
-ROUND_MOMENTS = np.array([1.0, 1.0, 0.0])
-"""Moments yy, xx, xy of a round footprint over its variance."""
+ROUND = np.array([1.0, 1.0, 0.0])
+"""Components yy, xx, xy of what is alike in all directions."""
 
 BEADS = np.stack(np.polynomial.hermite_e.hermegauss(4)).astype(np.float32)
 BEADS[1] /= BEADS[1].sum()
@@ -95,6 +95,9 @@ class Interaction:
         "free": one half-space.
     footprints
         Kernel of the half-space.
+    form
+        Second moments yy, xx, xy of the footprints over their variance, shape (n, 3); round if
+        None.
     widest
         Variance [m^2] that few footprints exceed; the split length is kept well above its root.
     neighbors, cut, nodes
@@ -104,7 +107,7 @@ class Interaction:
     Attributes
     ----------
     order
-        Points sorted by cell list, shape (n,): every vector given to or returned by the plan is
+        Points sorted by cell list, shape (n,): every vector given later, or returned, is
         `vector[order]`.
     near, pairs
         The near pairs, and their number.
@@ -118,8 +121,10 @@ class Interaction:
         power of two near that which displaces by the split length there.
     smooth
         Mesh part of the last field; None before the first.
-    round
-        Moments yy, xx, xy of round footprints over their variance, shape (n, 3).
+    form
+        Mean moment of each footprint over its variance, (n,), which all pairs use; for near pairs
+        also half the difference of its principal moments over that, (n,), and its moments yy, xx,
+        xy over that, (3, n).
 
     Notes
     -----
@@ -140,6 +145,7 @@ class Interaction:
         boundary: str,
         footprints: Footprints,
         *,
+        form: NDArray[np.float64] | None = None,
         widest: float = 0.0,
         neighbors: float | None = None,
         cut: float = CUT_OVER_SPLIT_LENGTH,
@@ -199,8 +205,11 @@ class Interaction:
         self.tangent_col = np.empty(len(near.col) + 1, np.int32)
         self.tangent_value = np.empty(len(near.col) + 1, np.float32)
         self.smooth: SmoothField | None = None
-        self.round = np.tile(ROUND_MOMENTS, (len(y), 1))
-        self.form = (np.empty(0), np.empty(0), np.empty(0), np.empty(0, np.float32))
+        form = np.tile(ROUND, (len(y), 1)) if form is None else form[self.order]
+        mean = 0.5 * (form[:, 0] + form[:, 1])
+        parts = form.T / mean
+        skew = np.hypot(0.5 * (parts[1] - parts[0]), parts[2])
+        self.form = mean, skew, parts.astype(np.float32, order="C")
 
     def field(
         self,
@@ -208,18 +217,16 @@ class Interaction:
         variance: NDArray[np.float64],
         growth: NDArray[np.float64] | None = None,
         moment: NDArray[np.float64] | None = None,
-        form: NDArray[np.float64] | None = None,
     ) -> Field:
         """Displacement by forces [N], shape (n,), spread with their variances per axis [m^2], shape
         (n,).
 
         `growth` is the variance [m^2] by which the footprint of an increment exceeds that of the
         whole force, shape (n,), and `moment` force times shift [N m] of those that have moved,
-        shape (n, 2); both zero if None. Elongated footprints have the second moments `form` yy, xx,
-        xy over their variance, shape (n, 3).
+        shape (n, 2); both zero if None.
         """
         n = len(force)
-        size, skew, shape = self.shaped(form)
+        size, skew, parts = self.form
         m, record, wide = np.empty(n), np.empty((n, 4)), np.empty(n, np.float32)
         moment = np.zeros((n, 2)) if moment is None else moment / self.unit
         force = force / self.unit
@@ -241,7 +248,7 @@ class Interaction:
                 force,
                 record,
                 wide,
-                shape,
+                parts,
                 dipole,
                 self.near,
                 self.kernel,
@@ -254,14 +261,14 @@ class Interaction:
             near = total(self.part, rows)
             _mesh_kernels.gather(rows, *place, self.scales, size, smooth, other, near, found)
 
-        parts: list[Callable[[], Any]] = [
+        work: list[Callable[[], Any]] = [
             far,
             *(functools.partial(near, c) for c in range(len(self.rows))),
         ]
         if self.pairs > PAIRS_ASIDE:
-            (smooth, other), *_ = each(lambda part: part(), parts)
+            (smooth, other), *_ = each(lambda part: part(), work)
         else:
-            (smooth, other), *_ = [part() for part in parts]
+            (smooth, other), *_ = [part() for part in work]
         frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scales[0]
         self.smooth = SmoothField(*frame, smooth[0])
         run(receivers, self.rows)
@@ -275,33 +282,17 @@ class Interaction:
     def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
         """The interaction of these pairs with its points moved a little, by `dy` and `dx` [m],
         shape (n,) in its order. Both share their working arrays."""
-        plan = copy.copy(self)
+        other = copy.copy(self)
         steps = dy / self.eta, dx / self.eta
-        plan.y, plan.x = (
+        other.y, other.x = (
             _inside(place + step, size, self.wrap)
             for place, step, size in zip((self.y, self.x), steps, self.size, strict=True)
         )
         ptr, col, pair = self.near
         row = np.repeat(np.arange(len(dy)), np.diff(ptr[:, 0], append=len(col)))
         change = [(step[row] - step[col]).astype(np.float32) for step in steps]
-        plan.near = NearPairs(ptr, col, pair + np.stack(change))
-        return plan
-
-    def shaped(
-        self, form: NDArray[np.float64] | None
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
-        """Numbers of footprints with the second moments `form` over their variance, (n, 3).
-
-        Returns the mean moment, (n,), which all pairs use; for near pairs also half the difference
-        of the principal moments over it, (n,), and `form` over it by components, (3, n).
-        """
-        form = self.round if form is None else form
-        if form is not self.form[0]:
-            size = 0.5 * (form[:, 0] + form[:, 1])
-            parts = form.T / size
-            skew = np.hypot(0.5 * (parts[1] - parts[0]), parts[2])
-            self.form = form, size, skew, parts.astype(np.float32, order="C")
-        return self.form[1:]
+        other.near = NearPairs(ptr, col, pair + np.stack(change))
+        return other
 
 
 def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.float64]:

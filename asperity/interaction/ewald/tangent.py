@@ -21,25 +21,23 @@ class Tangent:
     """The matrix diag(1/k + extra) + g_ij(v_i + v_j), i != j, plus self-images.
 
     Positive definite for any set of contacts: `Footprints` has the proof. All vectors run over the
-    active points in the order of the plan. The newest tangent of a plan is the valid one: its
-    values lie in the work space of the plan.
+    active points in the order of the `coupling`. Its newest tangent is the valid one: the values
+    lie in its work space.
 
-    Of the n points of the plan those that are `active` have a positive stiffness k [N/m]. To their
-    compliance `extra` [m/N], not negative, is added, none if None; `form` holds the second moments
-    yy, xx, xy of elongated footprints over their variance, shape (n, 3).
+    Of the n points of the coupling those that are `active` have a positive stiffness k [N/m]. To
+    their compliance `extra` [m/N], not negative, is added, none if None.
     """
 
     def __init__(
         self,
-        plan: Interaction,
+        coupling: Interaction,
         active: NDArray[np.bool_],
         stiffness: Array,
         extra: Array | None = None,
-        form: Array | None = None,
     ) -> None:
-        self.plan = plan
-        n, body = int(np.count_nonzero(active)), plan.footprints
-        (factor, exponent), (size, skew, parts) = body.rule, plan.shaped(form)
+        self.coupling = coupling
+        n, body = int(np.count_nonzero(active)), coupling.footprints
+        (factor, exponent), (size, skew, parts) = body.rule, coupling.form
         rank, narrow = np.empty(len(active), np.int32), np.empty((2, len(active)), np.float32)
         self.index, self.cell = np.empty(n, np.int64), np.empty(n, np.int32)
         variance, self.compliance, self.diagonal = np.empty((3, n))
@@ -47,20 +45,22 @@ class Tangent:
             active,
             stiffness,
             np.empty(0) if extra is None else extra,
-            (factor / plan.eta**body.power, exponent),
-            plan.own,
+            (factor / coupling.eta**body.power, exponent),
+            coupling.own,
             VARIANCE_CAP,
-            plan.scale,
+            coupling.scale,
             (size, skew),
-            plan.two_level.cell,
+            coupling.two_level.cell,
             (rank, narrow, self.index, variance, self.compliance, self.diagonal, self.cell),
         )
         single, skewed = narrow
-        rows = np.searchsorted(self.index, plan.rows)
-        self.rows = rows if n * plan.pairs > PAIRS_PER_THREAD * len(active) else np.array([[0, n]])
-        self.pairs = np.zeros((n, 2), np.int64), plan.tangent_col, plan.tangent_value
+        rows = np.searchsorted(self.index, coupling.rows)
+        self.rows = (
+            rows if n * coupling.pairs > PAIRS_PER_THREAD * len(active) else np.array([[0, n]])
+        )
+        self.pairs = np.zeros((n, 2), np.int64), coupling.tangent_col, coupling.tangent_value
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
-        self.grids = np.empty((len(self.rows), 1, *plan.tangent_mesh.shape), np.float32)
+        self.grids = np.empty((len(self.rows), 1, *coupling.tangent_mesh.shape), np.float32)
         self.part = np.empty((len(self.rows), n))
         self._far: tuple[Array, Array] | None = None
 
@@ -68,16 +68,18 @@ class Tangent:
             _mesh_kernels.spline(
                 rows[c],
                 self.index,
-                plan.y,
-                plan.x,
+                coupling.y,
+                coupling.x,
                 variance,
                 VARIANCE_CAP,
-                plan.tangent_mesh.per_step,
+                coupling.tangent_mesh.per_step,
                 self.place,
                 self.weight,
             )
             narrowed = rank, single, skewed, parts
-            _near_kernels.tangent_list(plan.rows[c], plan.near, *narrowed, plan.kernel, self.pairs)
+            _near_kernels.tangent_list(
+                coupling.rows[c], coupling.near, *narrowed, coupling.kernel, self.pairs
+            )
 
         run(rows_of, rows)
 
@@ -87,19 +89,19 @@ class Tangent:
     def stiffen(self, change: Array) -> None:
         """Add `change` [m/N] to the own compliance of the points, shape (len(self),)."""
         self.compliance = self.compliance + change
-        self.diagonal = self.diagonal + change / self.plan.scale
+        self.diagonal = self.diagonal + change / self.coupling.scale
         self._far = None
 
     @property
     def far(self) -> tuple[Array, Array]:
         """`TwoLevelPreconditioner.inverse` of the points by their own compliance."""
         if self._far is None:
-            self._far = self.plan.two_level.inverse(self.cell, 1 / self.compliance)
+            self._far = self.coupling.two_level.inverse(self.cell, 1 / self.compliance)
         return self._far
 
     def __call__(self, vector: Array) -> Array:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
-        out, vector = np.empty(len(vector)), vector / self.plan.unit
+        out, vector = np.empty(len(vector)), vector / self.coupling.unit
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
@@ -114,11 +116,11 @@ class Tangent:
                 smooth[0],
                 self.diagonal,
                 total(self.part, rows),
-                self.plan.scales[0],
+                self.coupling.scales[0],
                 out,
             )
 
         run(sources, self.rows)
-        smooth = self.plan.tangent_mesh.convolve(total(self.grids))
+        smooth = self.coupling.tangent_mesh.convolve(total(self.grids))
         run(receivers, self.rows)
         return out

@@ -161,9 +161,7 @@ def tangent_response(tangent: Tangent, state: State, compliance: Array) -> tuple
 
 def tangent_of(state: State) -> Tangent:
     """Tangent matrix of the active contacts."""
-    return Tangent(
-        state.problem.plan, state.active, state.stiffness, state.extra, state.problem.form
-    )
+    return Tangent(state.problem.coupling, state.active, state.stiffness, state.extra)
 
 
 def shared(missing: float | None, compliance: Array, tangent: Tangent) -> Array:

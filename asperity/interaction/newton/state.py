@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.interaction.elongation import Elongation
-from asperity.interaction.ewald.operator import Interaction
+from asperity.interaction.ewald.operator import ROUND, Interaction
 from asperity.parameters import DEFAULTS, ContactShift
 
 from . import _newton_kernels
@@ -29,26 +30,18 @@ class Problem:
 
     height: NDArray[np.float64]
     laws: Laws
-    plan: Interaction
+    coupling: Interaction
     contact_shift: bool = False
     elongation: Elongation | None = None
     fitted: ContactShift = DEFAULTS.contact_shift
 
-    @property
-    def form(self) -> NDArray[np.float64]:
-        """Second moments of the footprints over their variance, shape (n, 3). Footprints are round
-        without contact shift."""
-        if self.elongation is None or not self.contact_shift:
-            return self.plan.round
-        return self.elongation.moments
-
-    @property
+    @functools.cached_property
     def radii(self) -> NDArray[np.float64]:
         """Radii of curvature over those of round contacts, shape (n, 3); zero without contact
         shift."""
-        if not self.contact_shift:
-            return np.zeros((len(self.height), 3))
-        return self.plan.round if self.elongation is None else self.elongation.radii
+        if self.contact_shift and self.elongation is not None:
+            return self.elongation.radii
+        return np.tile(float(self.contact_shift) * ROUND, (len(self.height), 1))
 
 
 class State:
@@ -96,9 +89,9 @@ class State:
         laws = problem.laws(approach)
         self.problem, self.laws = problem, laws
         self.approach = np.where(laws.force > 0, approach, 0.0)
-        body, bounds = problem.plan.footprints, (problem.radii, problem.fitted.largest)
+        body, bounds = problem.coupling.footprints, (problem.radii, problem.fitted.largest)
         _, self.shift, moment = contact_shifts(body, laws, self.approach, tilt, *bounds)
-        self.field = problem.plan.field(laws.force, laws.moment, laws.growth, moment, problem.form)
+        self.field = problem.coupling.field(laws.force, laws.moment, laws.growth, moment)
         self.gain, self.next_shift, _ = contact_shifts(
             body, laws, self.approach, self.field.tilt, *bounds
         )

@@ -181,7 +181,7 @@ def corrected_prediction(
     """
     law = problem.laws(wanted)
     closed = law.force > 0
-    tangent = Tangent(problem.plan, closed, law.stiffness, None, problem.form)
+    tangent = Tangent(problem.coupling, closed, law.stiffness)
     rows = tangent.index
     own, stiffness, force = law.force[rows], law.stiffness[rows], force[rows]
     lack = own - force

@@ -48,7 +48,7 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     values = values.copy()
     values[0] *= 3.0
     centre, touches = placed(population, listing, values)
-    rows, skin = listing.index[touches], PAIR_LIST_SKIN * listing.problem.plan.eta
+    rows, skin = listing.index[touches], PAIR_LIST_SKIN * listing.problem.coupling.eta
     found = listing.recentred(population, listing.index, values, 1e-3)
     for new, place in zip(centre, found.offset, strict=True):
         np.testing.assert_allclose(place[rows], new, rtol=1e-12)
@@ -94,7 +94,7 @@ def test_more_contacts_may_stand_a_little_astray_under_a_wider_tolerance(light, 
 
 
 def test_a_plan_holds_until_footprints_outgrow_it(light):
-    plan = light[1].problem.plan
+    plan = light[1].problem.coupling
     assert plan.holds((0.99 * plan.eta / 3) ** 2) and not plan.holds((1.01 * plan.eta / 3) ** 2)
 
 
@@ -121,7 +121,7 @@ def test_a_list_that_does_not_last_goes_before_the_next_is_made(monkeypatch):
 
     def listed(cls, *args, **settings):
         made = make(cls, *args, **settings)
-        plans.append(weakref.ref(made.problem.plan))
+        plans.append(weakref.ref(made.problem.coupling))
         return made
 
     monkeypatch.setattr(module.CandidateList, "of", classmethod(listed))

@@ -71,10 +71,11 @@ def test_a_contact_leans_less_across_and_not_much_more_along():
 def test_field_of_a_long_pair_is_that_of_elliptic_gaussians(m, angle):
     """Gauss-Hermite average of round kernels over the long axis, with many nodes."""
     f, place = Footprints(2.0, m), np.array([[0.0, 0.0], [0.05, 0.12]])
-    plan = Interaction(place[:, 0], place[:, 1], (1.0, 1.0), "free", f, widest=1e-3)
     variance, form = np.full(2, 4e-4), of(4.0, angle, m).moments
+    how = {"form": np.tile(form, (2, 1)), "widest": 1e-3}
+    plan = Interaction(place[:, 0], place[:, 1], (1.0, 1.0), "free", f, **how)
     force = np.array([0.0, 1.0])[plan.order]
-    field = plan.field(force, variance, np.zeros(2), np.zeros((2, 2)), np.tile(form, (2, 1)))
+    field = plan.field(force, variance)
     here = int(np.flatnonzero(force == 0)[0])
     large, small, turn = principal(2 * 4e-4 * form[0])
     node, weight = np.polynomial.hermite_e.hermegauss(40)
@@ -92,13 +93,12 @@ def test_far_from_a_long_footprint_its_mean_moment_is_felt(m):
     f, count, far, variance = Footprints(2.0, m), 24, 0.4, 1e-3
     turn = 2 * np.pi * np.arange(count) / count
     y, x = np.append(far * np.sin(turn), 0.0), np.append(far * np.cos(turn), 0.0)
-    plan = Interaction(y, x, (1.0, 1.0), "free", f, widest=variance, neighbors=4)
+    n, form = count + 1, of(6.0, 0.4, m).moments
+    how = {"form": np.repeat(form, n, axis=0), "widest": variance, "neighbors": 4}
+    plan = Interaction(y, x, (1.0, 1.0), "free", f, **how)
     assert plan.cut * plan.eta < far
-    form = of(6.0, 0.4, m).moments
-    n, force = count + 1, (plan.order == count).astype(float)
-    field = plan.field(
-        force, np.full(n, variance), np.zeros(n), np.zeros((n, 2)), np.repeat(form, n, axis=0)
-    )
+    force = (plan.order == count).astype(float)
+    field = plan.field(force, np.full(n, variance))
     large, small, angle = principal(2 * variance * form[0])
     node, weight = np.polynomial.hermite_e.hermegauss(40)
     along = np.sqrt(large - small) * node
@@ -114,14 +114,14 @@ def test_far_from_a_long_footprint_its_mean_moment_is_felt(m):
 def test_moments_are_the_adjoint_of_the_gradient(boundary):
     y, x, _, _ = random_population(80, CELL, 0)
     f, rng = Footprints(2.0), np.random.default_rng(0)
-    plan = Interaction(y, x, CELL, boundary, f, widest=2e-4)
     n, variance = len(y), np.full(len(y), 2e-4)
     form = Elongation.of(
         np.stack((rng.uniform(1, 20, n), np.ones(n)), 1), rng.uniform(-1.5, 1.5, n), f
     ).moments
+    plan = Interaction(y, x, CELL, boundary, f, form=form, widest=2e-4)
     force, p = rng.uniform(0.2, 1.0, n), rng.normal(size=(n, 2))
     # beyond the cut-off the mesh knows moments of the variance that forces alone have
-    field = plan.field(force, variance, np.zeros(n), p, form)
+    field = plan.field(force, variance, np.zeros(n), p)
     left, right = force @ field.moved, np.sum(p * field.tilt)
     assert left == pytest.approx(right, abs=0.02 * np.abs(p * field.tilt).sum())
 
@@ -135,13 +135,15 @@ def test_a_turned_scene_carries_the_same():
         shape = np.tile([6.0, 1.0], (len(y), 1))
         angle = np.full(len(y), 0.3 - (np.pi / 2 if turned else 0.0))
         widest = f.variance(table.stiffness[:, -1]).max()
-        plan = Interaction(here, there, (1.0, 1.0), "periodic", f, widest=widest)
+        long = Elongation.of(shape, angle, f)
+        how = {"form": long.moments, "widest": widest}
+        plan = Interaction(here, there, (1.0, 1.0), "periodic", f, **how)
         problem = Problem(
             height[plan.order],
             Laws(table, f).rows(plan.order),
             plan,
             True,
-            Elongation.of(shape, angle, f).rows(plan.order),
+            long.rows(plan.order),
         )
         solution = descend(problem, 0.01, np.zeros(len(y)), tolerance=1e-4)
         assert not solution.reason

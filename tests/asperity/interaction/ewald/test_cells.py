@@ -30,7 +30,7 @@ def tangent(n, m, boundary, seed=0):
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
 def test_inverse_is_that_of_forces_which_share_a_displacement_in_each_cell(m, boundary):
     matrix = tangent(MANY, m, boundary)
-    cells, stiffness = matrix.plan.two_level, 1 / matrix.compliance
+    cells, stiffness = matrix.coupling.two_level, 1 / matrix.compliance
     correction, total = cells.inverse(matrix.cell, stiffness)
     np.testing.assert_allclose(total.sum(), stiffness.sum(), rtol=1e-12)
     np.testing.assert_allclose(correction, correction.T, atol=1e-9 * np.abs(correction).max())

@@ -126,7 +126,7 @@ def test_two_spheres_follow_the_interacting_hertz_expansion(distance):
 def test_conjugate_gradients_solve_the_tangent_system():
     problem = make(200)
     stiffness = problem.laws(1.5 * reach(problem.laws)).stiffness
-    tangent = Tangent(problem.plan, np.ones(200, bool), stiffness)
+    tangent = Tangent(problem.coupling, np.ones(200, bool), stiffness)
     right = np.random.default_rng(0).normal(size=200)
     solved = conjugate_gradients(tangent, right, tolerance=1e-9, limit=400)
     assert solved.products < 400 and solved.constant == 0
@@ -160,7 +160,7 @@ def test_conjugate_gradients_hold_the_sum():
     """T x + c = r with a given sum of x, from any start that has it."""
     problem = make(200)
     stiffness = problem.laws(1.5 * reach(problem.laws)).stiffness
-    tangent = Tangent(problem.plan, np.ones(200, bool), stiffness)
+    tangent = Tangent(problem.coupling, np.ones(200, bool), stiffness)
     right, start = np.random.default_rng(0).normal(size=(2, 200))
     # a sum in single precision stalls below 3e-9
     solved = conjugate_gradients(tangent, right, tolerance=1e-7, start=start, held=True, limit=400)
