@@ -70,18 +70,16 @@ def _copy_patch(mesh, lines, first, patch):
 
 @compiled(fastmath=SUMS)
 def deposit(rows, y, x, force, variance, cap, dipole, per_step, masses, aside):
-    """Spread sources on the meshes `masses` and `aside` (1, my, mx).
+    """Spread sources on the meshes `masses` and `aside` (my, mx).
 
     First mesh: forces with half their variance, up to `cap`, times the Laplacian; second mesh:
     forces times shifts `dipole` (n, 2).
     """
     masses[:] = 0.0
     aside[:] = 0.0
-    forces = masses[0]
-    shifts = aside[0]
     patch = carray(doubles(), (16,))
     other = carray(floats(), (16,))
-    my, mx = forces.shape
+    my, mx = masses.shape
     width = np.uint64(mx)
     ny, nx = per_step
     for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
@@ -95,15 +93,15 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, masses, aside):
         shifted = (dipole[i, 0] * ny, dipole[i, 1] * nx)
         if ix + NODES <= width:
             places = _places(lines, ix, width)
-            add_spread(forces, places, at, spread, f)
-            add_moved(shifts, places, at, shifted)
+            add_spread(masses, places, at, spread, f)
+            add_moved(aside, places, at, shifted)
             continue
         patch[:] = 0.0
         add_spread(patch, PATCH, at, spread, f)
-        _add_patch(forces, lines, ix, patch)
+        _add_patch(masses, lines, ix, patch)
         other[:] = 0.0
         add_moved(other, PATCH, at, shifted)
-        _add_patch(shifts, lines, ix, other)
+        _add_patch(aside, lines, ix, other)
 
 
 @njit(inline="always")
@@ -128,19 +126,17 @@ def gather(rows, y, x, force, variance, cap, own, per_step, scale, size, smooth,
     patch = carray(doubles(), (16,))
     other = carray(floats(), (16,))
     ny, nx = per_step
-    forces = smooth[0]
-    shifts = aside[0]
     f0, f1, f2 = own
     for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
         iy, ix, at = _at(y[i] * ny, x[i] * nx)
-        level, along, across, bent, curved = _read(forces, iy, ix, at, patch)
+        level, along, across, bent, curved = _read(smooth, iy, ix, at, patch)
         held = min(variance[i], cap)
         bent = 0.5 * (ny * ny * bent + nx * nx * curved)
         level += held * bent - force[i] * (f0 + held * (f1 + 0.25 * held * f2))
         bent = bent - force[i] * (0.5 * f1 + 0.25 * held * f2) if variance[i] < cap else 0.0
         value[i] = scale[0] * (level + near[i, 0])
         slope[i] = scale[1] * size[i] * (bent + near[i, 1])
-        level = _read(shifts, iy, ix, at, other)[0]
+        level = _read(aside, iy, ix, at, other)[0]
         tilt[i, 0] = scale[2] * (ny * along + near[i, 2])
         tilt[i, 1] = scale[2] * (nx * across + near[i, 3])
         moved[i] = scale[0] * (level + near[i, 4])
@@ -223,44 +219,43 @@ def collect(rows, place, weight, vector, grid, diagonal, near, scale, out):
 
 @compiled(fastmath=SUMS)
 def convolve(masses, high, wide, transfer, out):
-    """Circular convolution of `masses` (count, my, mx) into `out` with an even kernel: waves that
-    are even and odd about the middle of the mesh along either side, by products of matrices.
+    """Circular convolution of `masses` (my, mx) into `out` with an even kernel: waves that are even
+    and odd about the middle of the mesh along either side, by products of matrices.
 
     `high` and `wide` are the `Mesh.waves` along y and x; `transfer` (2, 2, my / 2, mx / 2) is that
     of waves even or odd along x, and along y.
     """
-    count, my, mx = masses.shape
+    my, mx = masses.shape
     h, g = my // 2, mx // 2
     part = np.empty((2, 2, h, g), masses.dtype)
     other = np.empty((h, g), masses.dtype)
-    for k in range(count):
-        for i in range(h):
-            for j in range(g):
-                near, far = masses[k, i, j], masses[k, i, mx - 1 - j]
-                low, last = masses[k, my - 1 - i, j], masses[k, my - 1 - i, mx - 1 - j]
-                part[0, 0, i, j] = (near + far) + (low + last)
-                part[1, 0, i, j] = (near - far) + (low - last)
-                part[0, 1, i, j] = (near + far) - (low + last)
-                part[1, 1, i, j] = (near - far) - (low - last)
-        for b in range(2):
-            for a in range(2):
-                # a product of arrays, or another shape of one, would take 1 s each to compile
-                one = part[b, a]
-                np.dot(high[0, a], one, other)
-                np.dot(other, wide[1, b], one)
-                for i in range(h):
-                    for j in range(g):
-                        one[i, j] *= transfer[b, a, i, j]
-                np.dot(one, wide[0, b], other)
-                np.dot(high[1, a], other, one)
-        for i in range(h):
-            for j in range(g):
-                even, across = part[0, 0, i, j], part[1, 0, i, j]
-                along, both = part[0, 1, i, j], part[1, 1, i, j]
-                out[k, i, j] = (even + across) + (along + both)
-                out[k, i, mx - 1 - j] = (even - across) + (along - both)
-                out[k, my - 1 - i, j] = (even + across) - (along + both)
-                out[k, my - 1 - i, mx - 1 - j] = (even - across) - (along - both)
+    for i in range(h):
+        for j in range(g):
+            near, far = masses[i, j], masses[i, mx - 1 - j]
+            low, last = masses[my - 1 - i, j], masses[my - 1 - i, mx - 1 - j]
+            part[0, 0, i, j] = (near + far) + (low + last)
+            part[1, 0, i, j] = (near - far) + (low - last)
+            part[0, 1, i, j] = (near + far) - (low + last)
+            part[1, 1, i, j] = (near - far) - (low - last)
+    for b in range(2):
+        for a in range(2):
+            # a product of arrays, or another shape of one, would take 1 s each to compile
+            one = part[b, a]
+            np.dot(high[0, a], one, other)
+            np.dot(other, wide[1, b], one)
+            for i in range(h):
+                for j in range(g):
+                    one[i, j] *= transfer[b, a, i, j]
+            np.dot(one, wide[0, b], other)
+            np.dot(high[1, a], other, one)
+    for i in range(h):
+        for j in range(g):
+            even, across = part[0, 0, i, j], part[1, 0, i, j]
+            along, both = part[0, 1, i, j], part[1, 1, i, j]
+            out[i, j] = (even + across) + (along + both)
+            out[i, mx - 1 - j] = (even - across) + (along - both)
+            out[my - 1 - i, j] = (even + across) - (along + both)
+            out[my - 1 - i, mx - 1 - j] = (even - across) - (along - both)
 
 
 @compiled()

@@ -93,7 +93,7 @@ class Mesh:
         return mesh
 
     def convolve(self, masses: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Potential at the nodes [C_m eta^-p] of masses at the nodes, meshes (count, my, mx)."""
+        """Potential at the nodes [C_m eta^-p] of masses at the nodes, (my, mx)."""
         if self.waves:
             potential = np.empty_like(masses)
             high, wide = self.waves

@@ -200,8 +200,8 @@ class Interaction:
         self.pairs = int(counts.sum())
         self.rows = chunks(counts)
         self.part = np.zeros((len(self.rows), len(y), 6))
-        self.masses = np.zeros((1, *self.mesh.shape))
-        self.aside = np.zeros((1, *self.mesh.shape), np.float32)
+        self.masses = np.zeros(self.mesh.shape)
+        self.aside = np.zeros(self.mesh.shape, np.float32)
         self.tangent_col = np.empty(len(near.col) + 1, np.int32)
         self.tangent_value = np.empty(len(near.col) + 1, np.float32)
         self.smooth: SmoothField | None = None
@@ -270,7 +270,7 @@ class Interaction:
         else:
             (smooth, other), *_ = [part() for part in work]
         frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scales[0]
-        self.smooth = SmoothField(*frame, smooth[0])
+        self.smooth = SmoothField(*frame, smooth)
         run(receivers, self.rows)
         return found
 

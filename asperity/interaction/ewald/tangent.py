@@ -60,7 +60,7 @@ class Tangent:
         )
         self.pairs = np.zeros((n, 2), np.int64), coupling.tangent_col, coupling.tangent_value
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
-        self.grids = np.empty((len(self.rows), 1, *coupling.tangent_mesh.shape), np.float32)
+        self.grids = np.empty((len(self.rows), *coupling.tangent_mesh.shape), np.float32)
         self.part = np.empty((len(self.rows), n))
         self._far: tuple[Array, Array] | None = None
 
@@ -104,7 +104,7 @@ class Tangent:
         out, vector = np.empty(len(vector)), vector / self.coupling.unit
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
-            _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
+            _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c])
             _near_kernels.near_tangent(rows, *self.pairs, vector, self.part[c])
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
@@ -113,7 +113,7 @@ class Tangent:
                 self.place,
                 self.weight,
                 vector,
-                smooth[0],
+                smooth,
                 self.diagonal,
                 total(self.part, rows),
                 self.coupling.scales[0],

@@ -63,7 +63,7 @@ def test_products_of_matrices_are_the_transforms(size, periodic, precision, monk
     monkeypatch.setattr("asperity.interaction.ewald.mesh.MATRIX_NODES", 0)
     transformed = Mesh(Footprints(2.0, 0.3), size, periodic, 1.7, precision)
     assert short.waves and not transformed.waves
-    masses = np.random.default_rng(0).normal(size=(2, *short.shape)).astype(precision)
+    masses = np.random.default_rng(0).normal(size=short.shape).astype(precision)
     expected = transformed.convolve(masses)
     error = np.abs(short.convolve(masses) - expected).max() / np.abs(expected).max()
     assert error < 20 * np.finfo(precision).eps
