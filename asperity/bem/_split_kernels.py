@@ -80,7 +80,7 @@ def near_tiles(
 ) -> None:
     """Stencil sums of the values on the padded grid at the points of tiles.
 
-    `tiles` come from `cut_tiles`, `quadrant` from `stencil.quadrant`.
+    `tiles` come from `cut_tiles`; `quadrant` is that of the stencil (`stencil`), flat.
     """
     flat, stride = grid.reshape(grid.size), grid.shape[1]
     sums = np.empty(LANES, np.float32)

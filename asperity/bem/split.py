@@ -19,7 +19,7 @@ from ._split_kernels import COARSENING, TAPS
 from ._stencil_kernels import LANES, RADIUS
 from .contact_list import ContactList
 from .operator import HalfSpaceOperator
-from .stencil import fitted_stencil, precondition_stencil, quadrant, stencil_symbol
+from .stencil import fitted_stencil, precondition_stencil, stencil_symbol
 from .transform import Scratch
 
 __all__ = ["SplitOperator"]
@@ -41,9 +41,9 @@ class SplitOperator:
         self.periodic = exact.boundary == "periodic"
         aspect = exact.spacing[0] / exact.spacing[1]
         fit_aspect = math.exp(_ASPECT_STEP * round(math.log(aspect) / _ASPECT_STEP))
-        stencil = fitted_stencil(fit_aspect, exact.m, not self.periodic, COARSENING, TAPS)
-        self._near = quadrant(stencil)
-        self._inverse = quadrant(precondition_stencil(fit_aspect, exact.m))
+        stencil = fitted_stencil(fit_aspect, exact.m, not self.periodic)
+        inverse = precondition_stencil(fit_aspect, exact.m)
+        self._near, self._inverse = (s.astype(np.float32).ravel() for s in (stencil, inverse))
         ny, nx = self.shape
         scratch = Scratch(exact.pressure)
         self._grid = scratch.zeros((ny + 2 * RADIUS + 1, nx + 2 * LANES), np.float32)

@@ -3,6 +3,8 @@
 A stencil that is merely cut from the real-space kernel misses the symbol by 27 % near the Nyquist
 frequency, where the periodic continuation of |q|**(m-1) has a kink; a weighted fit misses it by
 less than 2 %, and the rest is smooth and left to a coarse grid.
+
+Stencils are symmetric along both axes: they are held as their quadrant from the centre on.
 """
 
 from __future__ import annotations
@@ -17,9 +19,10 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.influence import influence, symbol_quadrant
 
+from ._split_kernels import COARSENING, TAPS
 from ._stencil_kernels import RADIUS, SHORT_RADIUS
 
-__all__ = ["fitted_stencil", "precondition_stencil", "quadrant", "stencil_symbol"]
+__all__ = ["fitted_stencil", "precondition_stencil", "stencil_symbol"]
 
 _FREQUENCIES = 40
 """Frequencies per axis at which the symbol is fitted."""
@@ -28,15 +31,13 @@ _LEAST_WEIGHT = 2e-3
 """Least weight of a frequency in the fit, relative to those beyond the coarse band."""
 
 
-def _fitting_weights(
-    fy: NDArray[np.float64], fx: NDArray[np.float64], coarsening: float, order: int
-) -> NDArray[np.float64]:
+def _fitting_weights(fy: NDArray[np.float64], fx: NDArray[np.float64]) -> NDArray[np.float64]:
     """One outside the coarse band; inside it what spreading by B-splines aliases there."""
     largest = np.maximum(fy, fx)
-    band = 0.5 / coarsening
+    band = 0.5 / COARSENING
     inside = largest < band
     ratio = np.where(inside, largest / np.maximum(2.0 * band - largest, 1e-9), 1.0)
-    return np.asarray(np.maximum(np.minimum(ratio**order, 1.0), _LEAST_WEIGHT))
+    return np.asarray(np.maximum(np.minimum(ratio**TAPS, 1.0), _LEAST_WEIGHT))
 
 
 def _target(
@@ -61,23 +62,21 @@ def _cosines(f: NDArray[np.float64], radius: int) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=64)
-def fitted_stencil(
-    aspect: float, m: float, free: bool, coarsening: float, order: int
-) -> NDArray[np.float64]:
-    """Stencil (15, 15) fitted to the symbol of the half-space operator, for pixels of an aspect
-    dy / dx.
+def fitted_stencil(aspect: float, m: float, free: bool) -> NDArray[np.float64]:
+    """Quadrant (8, 8) of the stencil fitted to the symbol of the half-space operator, for pixels of
+    an aspect dy / dx.
 
     The symbol is |q|**(m-1), or that of the cell-integrated influence if `free`. The remainder is
-    carried by a grid coarser by `coarsening`, with B-splines of this order between the grids.
+    carried by a grid coarser by `COARSENING`, with B-splines of `TAPS` points between the grids.
 
     Notes
     -----
     Least squares of the relative symbol error on a grid of frequencies. (Reweighting towards the
     largest error, near the Nyquist frequency, lets the outer corrections converge three times
-    more slowly.) Unknowns are the 64 coefficients of the quadrant.
+    more slowly.)
     """
     fy, fx, target = _target(aspect, m, free)
-    weights = _fitting_weights(fy[:, None], fx[None, :], coarsening, order) / target
+    weights = _fitting_weights(fy[:, None], fx[None, :]) / target
     cy, cx = _cosines(fy, RADIUS), _cosines(fx, RADIUS)
     design = (cy[:, None, :, None] * cx[None, :, None, :]).reshape(target.size, -1)
     design *= weights.reshape(-1, 1)
@@ -87,19 +86,12 @@ def fitted_stencil(
     normal[np.diag_indices_from(normal)] += 1e-13
     right = scale * (design.T @ (target * weights).ravel())
     solution = scale * scipy.linalg.solve(normal, right, assume_a="pos")
-    return _unfolded(solution.reshape(RADIUS + 1, RADIUS + 1))
-
-
-def _unfolded(quadrant: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Symmetric stencil of which the quadrant is given, centre first."""
-    radius = quadrant.shape[0] - 1
-    fold = np.abs(np.arange(-radius, radius + 1))
-    return np.asarray(quadrant[np.ix_(fold, fold)])
+    return np.asarray(solution.reshape(RADIUS + 1, RADIUS + 1))
 
 
 @lru_cache(maxsize=64)
 def precondition_stencil(aspect: float, m: float) -> NDArray[np.float64]:
-    """Stencil (9, 9) of |q|**(1-m), cut off beyond 4 pixels, with positive symbol.
+    """Quadrant (5, 5) of the stencil of |q|**(1-m), cut off beyond 4 pixels, with positive symbol.
 
     A stencil of 7 pixels saves 1 step in 20 and costs three times as much.
     """
@@ -114,20 +106,12 @@ def precondition_stencil(aspect: float, m: float) -> NDArray[np.float64]:
     smallest = 0.02 * quadrant[0, 0]
     if lowest < smallest:
         quadrant[0, 0] += smallest - lowest
-    return _unfolded(quadrant / quadrant[0, 0])
+    return np.asarray(quadrant / quadrant[0, 0])
 
 
 def stencil_symbol(
     stencil: NDArray[np.float64], fy: NDArray[np.float64], fx: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Symbol of a symmetric stencil at frequencies [cycles per pixel], shape (fy, fx)."""
-    radius = stencil.shape[0] // 2
-    quadrant = stencil[radius:, radius:]
-    result: NDArray[np.float64] = _cosines(fy, radius) @ quadrant @ _cosines(fx, radius).T
-    return result
-
-
-def quadrant(stencil: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Quadrant of a symmetric stencil from its centre on, flat, as compiled stencils read it."""
-    radius = stencil.shape[0] // 2
-    return stencil[radius:, radius:].astype(np.float32).ravel()
+    """Symbol of a stencil at frequencies [cycles per pixel], shape (fy, fx)."""
+    radius = len(stencil) - 1
+    return np.asarray(_cosines(fy, radius) @ stencil @ _cosines(fx, radius).T)

@@ -81,15 +81,13 @@ def test_full_grid_operator_is_the_exact_one(shape, spacing, boundary, m):
 @pytest.mark.parametrize("aspect", [1.0, 2.0])
 def test_fitted_symbol(m, aspect):
     """Outside the coarse band the stencil alone is within 6 % of the symbol."""
-    taps = stencil.fitted_stencil(aspect, m, False, 4, 4)
+    taps = stencil.fitted_stencil(aspect, m, False)
     f = np.linspace(0.0, 0.5, 41)[1:]
     found = stencil.stencil_symbol(taps, f, f)
     q = 2 * np.pi * np.hypot(f[:, None] / np.sqrt(aspect), f[None, :] * np.sqrt(aspect))
     outside = np.maximum(f[:, None], f[None, :]) > 0.125
     relative = np.abs(found / q ** (m - 1) - 1)
     assert relative[outside].max() < 0.06
-    np.testing.assert_array_equal(taps, taps[::-1])
-    np.testing.assert_array_equal(taps, taps[:, ::-1])
 
 
 @pytest.mark.parametrize("m", [-0.5, 0.0, 0.5, 0.8])
@@ -110,7 +108,8 @@ def test_stencil_sum_is_the_direct_sum():
         exact = HalfSpaceOperator(shape, (1.0, 1.0), HalfSpace.from_modulus(1.0), boundary)
         operator = split.SplitOperator(exact)
         operator.bind(points)
-        taps = stencil.precondition_stencil(1.0, 0.0)
+        fold = np.abs(np.arange(-4, 5))
+        taps = stencil.precondition_stencil(1.0, 0.0)[np.ix_(fold, fold)]
         dense = np.zeros(shape)
         dense[mask] = values
         dense = np.pad(dense, 4, mode="wrap" if boundary == "periodic" else "constant")
