@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ._grid_kernels import select
 from .correction import Outcome
 from .problem import ContactProblem
 
@@ -59,10 +58,8 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     pixels = outcome.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
     if pixels == 0.0:
         return 0.0, 0.0
-    exact = problem.level.exact
     reading, far = outcome.reading, _DECIDED_LENGTH * _level_error(outcome)
-    fields = exact.pressure, exact.displacement, problem.level.heights
-    _, _, pressure, gap = select(*fields, reading.block_low, reading.level + far)
+    _, pressure, gap = problem.level.select(reading, reading.level + far)
     pressed = pressure > 0.0
     # a point under pressure lies as deep as this pressure alone displaces it
     opens = _by_length(pressure[pressed] * problem.own, far)

@@ -4,6 +4,7 @@ problem on the candidate points with an approximate operator, and again.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -20,6 +21,9 @@ from .projected_gradients import SPARE_LOAD, solve_on_list
 from .split import SplitOperator
 
 __all__ = ["Level", "Outcome", "PoorPredictionError", "PressureOrigin"]
+
+Selection = tuple[ContactList, NDArray[np.float64], NDArray[np.float64]]
+"""Points of a grid, their pressures p~ and their gaps u - h [m]."""
 
 _FIRST_BAND = 0.15
 """In the first correction points are candidates up to this gap, over the length scale and over the
@@ -131,8 +135,6 @@ class Level:
         self.mean_height, self.highest = float(heights.mean()), float(heights.max())
         self.rms_height = float(heights.std())
         self._careful = False
-        self._split: SplitOperator | None = None
-        self._full: FullGridOperator | None = None
 
     @property
     def pressure(self) -> NDArray[np.float64]:
@@ -180,7 +182,7 @@ class Level:
             if idle >= _MAX_IDLE:
                 break
             error = worst if mean is None else replace(reading.certificate, load=0.0).worst
-            listed = self._listed(mean, offset, displacement, reading, error, outer == 0)
+            listed = self._listed(mean, offset, reading, error, outer == 0)
             if (
                 here is PressureOrigin.PREDICTED
                 and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size
@@ -197,28 +199,28 @@ class Level:
         self,
         mean: float | None,
         offset: float | None,
-        displacement: NDArray[np.float64],
         reading: Reading,
         error: float,
         first: bool,
-    ) -> tuple[ContactList, NDArray[np.float64], NDArray[np.float64]]:
-        """The list of candidates, their pressures and their gaps."""
+    ) -> Selection:
+        """The candidates."""
         width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _LATER_BAND * error)
         level = reading.level if offset is None else max(reading.level, offset)
         threshold = level + width * reading.scale
         total = None if mean is None else mean * self.heights.size
         least = math.ceil(SPARE_LOAD * (total or 0.0) / self.cap)
-        start, columns, values, gap = self._candidates(displacement, reading, threshold)
-        if columns.size < min(least, self.heights.size):
-            gaps = (displacement[:, : self.heights.shape[1]] - self.heights).ravel()
+        listed = self.select(reading, threshold)
+        if len(listed[0]) < min(least, self.heights.size):
+            displacement = self.exact.displacement[:, : self.heights.shape[1]]
+            gaps = (displacement - self.heights).ravel()
             rank = min(least, gaps.size) - 1
             threshold = max(threshold, float(np.partition(gaps, rank)[rank]))
-            start, columns, values, gap = self._candidates(displacement, reading, threshold)
-        return ContactList(start, columns), values, gap
+            listed = self.select(reading, threshold)
+        return listed
 
     def _correct(
         self,
-        listed: tuple[ContactList, NDArray[np.float64], NDArray[np.float64]],
+        listed: Selection,
         mean: float | None,
         offset: float | None,
         scale: float,
@@ -243,28 +245,32 @@ class Level:
         points.fill(self.exact.pressure, values)
         return spent
 
-    def _candidates(
-        self, displacement: NDArray[np.float64], reading: Reading, threshold: float
-    ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
-        """Points under pressure or with a gap up to the threshold, see `_grid_kernels.select`."""
-        found: tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]
-        found = _grid_kernels.select(
-            self.exact.pressure, displacement, self.heights, reading.block_low, threshold
+    def select(self, reading: Reading, threshold: float) -> Selection:
+        """Points with a pressure or with a gap up to a threshold."""
+        start, columns, pressure, gap = _grid_kernels.select(
+            self.exact.pressure,
+            self.exact.displacement,
+            self.heights,
+            reading.block_low,
+            threshold,
         )
-        return found
+        return ContactList(start, columns), pressure, gap
 
     def operator(self, points: ContactList) -> SplitOperator | FullGridOperator:
         """The cheaper operator for the grid, on a list; after idle corrections the more accurate
         one."""
-        if self._careful or self.heights.size <= _SMALL_GRID:
-            if self._full is None:
-                self._full = FullGridOperator(self.exact)
-            self._full.bind(points)
-            return self._full
-        if self._split is None:
-            self._split = SplitOperator(self.exact)
-        self._split.bind(points)
-        return self._split
+        exact = self._careful or self.heights.size <= _SMALL_GRID
+        operator = self._full if exact else self._split
+        operator.bind(points)
+        return operator
+
+    @functools.cached_property
+    def _split(self) -> SplitOperator:
+        return SplitOperator(self.exact)
+
+    @functools.cached_property
+    def _full(self) -> FullGridOperator:
+        return FullGridOperator(self.exact)
 
 
 def _next_error(error: float, wanted: float, sharpest: float) -> float:

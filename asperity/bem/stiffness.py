@@ -6,9 +6,7 @@ import math
 
 import numpy as np
 
-from . import _grid_kernels
 from .certificate import Reading
-from .contact_list import ContactList
 from .correction import Level
 
 __all__ = ["contact_stiffness"]
@@ -34,10 +32,7 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
     Preconditioned conjugate gradients minimize ``<q, G q>/2 - <q, 1>``, whose least value is half
     the stiffness.
     """
-    start, columns, held, _ = _grid_kernels.select(
-        level.exact.pressure, level.exact.displacement, level.heights, reading.block_low, -math.inf
-    )
-    pressed = ContactList(start, columns)
+    pressed, held, _ = level.select(reading, -math.inf)
     points = pressed if unloading or not reading.held else pressed.where(held < level.cap)
     if len(points) == 0:
         return 0.0
