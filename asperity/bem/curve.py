@@ -31,7 +31,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import apart
 from surfaces.numerics.parallel import threads as thread_count
 
-from .bounds import area_error, load_error
+from .answer import answer, answer_of_hardness
 from .load_path import NO_LIMIT, LoadPath, follow_chains, split_loads, stopping
 from .memory import fits
 from .problem import ContactProblem
@@ -216,39 +216,21 @@ def _require_accuracy(accuracy: float | tuple[float, float]) -> tuple[float, flo
 def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:
     """Solve at one load and read the point off the state, with its contact map if that is kept."""
     problem = path.problem
-    hm, exact = problem.hm, problem.level.exact
+    exact = problem.level.exact
     begun, pairs = time.perf_counter(), exact.pairs
     outcome = path.solve(**{kind: value})
     certificate = outcome.reading.certificate
     contact = problem.level.pressure > 0.0 if keep_map else _NO_MAP
-    raw, area, patches = outcome.contact
-    mean = problem.mean_pressure(outcome)
-    columns = {
-        "separation": problem.separation(outcome),
-        "mean_pressure": mean,
-        "load": mean * hm.area,
-        "area_fraction": area / hm.area,
-        "contact_area": area,
-        "contacts": patches,
-        "stiffness": problem.stiffness(outcome),
-        "converged": outcome.converged,
+    columns = answer(problem, outcome) | {
         "residual": certificate.worst,
-        "error_estimate": load_error(problem, outcome),
-        "area_error_estimate": area_error(problem, outcome)[0],
         "load_error": certificate.load,
         "complementarity": certificate.complementarity,
         "penetration": certificate.penetration,
-        "contact_area_raw": raw,
-        "elastic_energy": problem.elastic_energy(outcome),
-        "iterations": outcome.iterations,
         "fft_pairs": exact.pairs - pairs,
         "seconds": time.perf_counter() - begun,
     }
     if math.isfinite(problem.level.cap):
-        held = outcome.reading.held * (hm.area / hm.heights.size)
-        columns |= {"lift": certificate.lift, "plastic_share": min(held / max(area, 1e-300), 1.0)}
-        columns["plastic_work"] = problem.plastic_work(outcome)
-        columns["unloading_stiffness"] = problem.unloading_stiffness(outcome)
+        columns |= answer_of_hardness(problem, outcome)
     return SolvedLoad(columns, contact, outcome.reason)
 
 

@@ -214,39 +214,6 @@ class ContactProblem:
             outcome.stiffness = contact_stiffness(level, outcome.reading)
         return outcome
 
-    def separation(self, outcome: Outcome) -> float:
-        """Separation reached [m]; zero, without rounding, in full contact of a periodic cell."""
-        if math.isinf(outcome.stiffness):
-            return 0.0
-        return float(-outcome.reading.level - self.level.mean_height) * self.unit
-
-    def mean_pressure(self, outcome: Outcome) -> float:
-        """Mean pressure reached [Pa]."""
-        return outcome.reading.total / self.hm.heights.size / self.compliance
-
-    def elastic_energy(self, outcome: Outcome) -> float:
-        """Elastic energy ``1/2 int p u dA`` [J]."""
-        cell = self.hm.spacing[0] * self.hm.spacing[1]
-        return 0.5 * outcome.reading.moment * self.unit / self.compliance * cell
-
-    def plastic_work(self, outcome: Outcome) -> float:
-        """Work ``int p (plastic depth) dA`` done where the hardness is reached [J]."""
-        cell = self.hm.spacing[0] * self.hm.spacing[1]
-        return outcome.reading.plastic_work * self.unit / self.compliance * cell
-
-    def stiffness(self, outcome: Outcome) -> float:
-        """Minus the slope of mean pressure over separation [Pa/m], NaN if not converged."""
-        found = outcome.stiffness if outcome.converged else math.nan
-        return found / self.level.exact.compliance
-
-    def unloading_stiffness(self, outcome: Outcome) -> float:
-        """Fall of the mean pressure over the lift of the flat [Pa/m], the contact as it is; NaN if
-        not converged."""
-        if not outcome.converged:
-            return math.nan
-        found = contact_stiffness(self.level, outcome.reading, unloading=True)
-        return found / self.level.exact.compliance
-
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
         return {

@@ -47,6 +47,12 @@ class BemSolution:
         the mean gap less the mean plastic depth.
     mean_pressure, load
         Load over nominal area [Pa] and normal load [N].
+    area_fraction, contact_area
+        Contact area corrected for the pixels at its edge, over the nominal area [-] and [m^2].
+    contact_area_raw
+        Contact area counted in pixels [m^2]; too large by 3-16 % on rough maps.
+    contacts
+        Number of separate contact patches.
     stiffness
         Minus the slope of mean pressure over separation [Pa/m]; infinite in full contact of a
         periodic cell, NaN if not converged.
@@ -84,6 +90,10 @@ class BemSolution:
     separation: float
     mean_pressure: float
     load: float
+    area_fraction: float
+    contact_area: float
+    contact_area_raw: float
+    contacts: int
     stiffness: float
     error_estimate: float
     area_error_estimate: float
@@ -130,26 +140,6 @@ class BemSolution:
         step = {"step": "unload", "mean_pressure": self.mean_pressure, "hardness": self.hardness}
         return self.surface.replace(heights=heights, step=step)
 
-    @cached_property
-    def _reading(self) -> tuple[float, float, int]:
-        periodic, nx = self.boundary == "periodic", self.pressure.shape[1]
-        return read_contact(self.pressure, self.spacing, nx, self.hardness, periodic=periodic)
-
-    @property
-    def contact_area_raw(self) -> float:
-        """Contact area counted in pixels [m^2]; too large by 3-16 % on rough maps."""
-        return self._reading[0]
-
-    @property
-    def contact_area(self) -> float:
-        """Contact area corrected for the pixels at its edge [m^2]."""
-        return self._reading[1]
-
-    @property
-    def area_fraction(self) -> float:
-        """Corrected contact area over nominal area [-]."""
-        return self.contact_area / (self.pressure.size * self.spacing[0] * self.spacing[1])
-
     @property
     def mean_gap(self) -> float:
         """Mean of the gap over the map [m]."""
@@ -159,11 +149,6 @@ class BemSolution:
     def patches(self) -> NDArray[np.int32]:
         """Labels 1..n of the contact patches, joined across a periodic seam, shape (ny, nx)."""
         return label_patches(self.contact, periodic=self.boundary == "periodic")[0]
-
-    @property
-    def contacts(self) -> int:
-        """Number of separate contact patches."""
-        return self._reading[2]
 
     def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw the pressure in true proportions, on new axes if None; `style` goes to ``imshow``.

@@ -13,7 +13,7 @@ from asperity.halfspace.load_points import expected_area_fraction, require_scene
 from asperity.halfspace.material import HalfSpace
 from surfaces.heightmap import HeightMap
 
-from .bounds import area_error, load_error
+from .answer import answer
 from .correction import PressureOrigin
 from .problem import ContactProblem
 from .solution import BemSolution
@@ -99,7 +99,8 @@ def bem_solve(
     middle = time.perf_counter()
     origin = PressureOrigin.PROLONGED if touches and start is None else PressureOrigin.GIVEN
     outcome = problem.solve(load, offset, problem.tolerance, origin)
-    bounds = load_error(problem, outcome), area_error(problem, outcome)[0]
+    outcome.iterations += coarse.iterations if coarse else 0
+    told = answer(problem, outcome)
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
     found, gap = problem.level.pressure, exact.displacement[:, : hm.shape[1]]
@@ -115,24 +116,14 @@ def bem_solve(
     if reading.held:
         depth = np.where(held, np.maximum(-gap, 0.0), 0.0)
         gap += depth
-    mean = problem.mean_pressure(outcome)
     return BemSolution(
         surface=surface,
         pressure=found,
         gap=gap,
         plastic_depth=depth,
-        separation=problem.separation(outcome),
-        mean_pressure=mean,
-        load=mean * hm.area,
-        stiffness=problem.stiffness(outcome),
-        error_estimate=bounds[0],
-        area_error_estimate=bounds[1],
-        elastic_energy=problem.elastic_energy(outcome),
         certificate=reading.certificate,
-        converged=outcome.converged,
         status="converged" if outcome.converged else "stagnated",
         reason=outcome.reason,
-        iterations=outcome.iterations + (coarse.iterations if coarse else 0),
         fft_pairs=exact.pairs,
         seconds={
             "setup": prepared - begun,
@@ -142,6 +133,7 @@ def bem_solve(
         boundary=problem.boundary,
         spacing=hm.spacing,
         settings={**problem.settings(), "warnings": warnings},
+        **told,
     )
 
 

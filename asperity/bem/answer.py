@@ -1,0 +1,63 @@
+"""What a solution says, in SI units."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .bounds import area_error, load_error
+from .correction import Outcome
+from .problem import ContactProblem
+from .stiffness import contact_stiffness
+
+__all__ = ["answer", "answer_of_hardness"]
+
+
+def answer(problem: ContactProblem, outcome: Outcome) -> dict[str, Any]:
+    """Numbers of a solution, by the names of `BemSolution` and of the columns of a curve.
+
+    In full contact of a periodic cell the separation is zero, without rounding.
+    """
+    hm, level, reading = problem.hm, problem.level, outcome.reading
+    mean = reading.total / hm.heights.size / problem.compliance
+    full = math.isinf(outcome.stiffness)
+    raw, area, patches = outcome.contact
+    return {
+        "separation": 0.0 if full else -(reading.level + level.mean_height) * problem.unit,
+        "mean_pressure": mean,
+        "load": mean * hm.area,
+        "area_fraction": area / hm.area,
+        "contact_area": area,
+        "contact_area_raw": raw,
+        "contacts": patches,
+        "stiffness": _slope(problem, outcome, outcome.stiffness),
+        "converged": outcome.converged,
+        "error_estimate": load_error(problem, outcome),
+        "area_error_estimate": area_error(problem, outcome)[0],
+        "elastic_energy": 0.5 * reading.moment * _energy(problem),
+        "iterations": outcome.iterations,
+    }
+
+
+def answer_of_hardness(problem: ContactProblem, outcome: Outcome) -> dict[str, float]:
+    """Further numbers of a solution under a hardness."""
+    reading, area = outcome.reading, outcome.contact[1]
+    held = reading.held * (problem.hm.area / problem.hm.heights.size)
+    slope = contact_stiffness(problem.level, reading, unloading=True) if outcome.converged else 0.0
+    return {
+        "lift": reading.certificate.lift,
+        "plastic_share": min(held / max(area, 1e-300), 1.0),
+        "plastic_work": reading.plastic_work * _energy(problem),
+        "unloading_stiffness": _slope(problem, outcome, slope),
+    }
+
+
+def _slope(problem: ContactProblem, outcome: Outcome, stiffness: float) -> float:
+    """Minus the slope of mean pressure over separation [Pa/m], NaN if not converged."""
+    return (stiffness if outcome.converged else math.nan) / problem.level.exact.compliance
+
+
+def _energy(problem: ContactProblem) -> float:
+    """Work [J] of a p~ and a displacement of one unit each on a pixel."""
+    dy, dx = problem.hm.spacing
+    return problem.unit / problem.compliance * dy * dx
