@@ -15,7 +15,7 @@ from asperity.errors import FileFormatError, InputError
 
 from . import storage
 from .interface_law import InterfaceLaw
-from .interpolation import POINT_FIELDS, READ_FIELDS, CurvePoint, curve_stiffness, read_off
+from .interpolation import POINT_FIELDS, CurvePoint, curve_stiffness, read_off
 from .storage import ResultFile, write_results
 from .table import CurveTable, require_curve
 
@@ -123,11 +123,7 @@ class ContactCurve(CurveTable):
             "separation": separation,
             "area_fraction": area_fraction,
         }
-        columns = {name: getattr(self, name) for name in (*READ_FIELDS, "error_estimate")}
-        columns |= {
-            name: self.extra[name] for name in ("area_error_estimate",) if name in self.extra
-        }
-        return read_off(columns, self.converged, asked)
+        return read_off(self.columns(), asked)
 
     def select(self, points: ArrayLike) -> ContactCurve:
         """The curve of some load points (indices or a mask), in that order.

@@ -16,7 +16,7 @@ from asperity.errors import FileFormatError, InputError
 from surfaces.errors import as_numbers
 from surfaces.files.atomic import replacing
 
-from .interpolation import READ_FIELDS, knots_of, read_off
+from .interpolation import knots_of, read_off
 from .table import CurveTable, require_curve
 
 __all__ = ["BANDS", "FORMATS", "UNITS", "InterfaceLaw"]
@@ -112,9 +112,8 @@ class InterfaceLaw:
         this line ends is overclosure 0.
         """
         require_curve(curve)
-        columns = {name: getattr(curve, name) for name in READ_FIELDS}
-        good, loads = curve.converged, curve.mean_pressure
-        usable = loads[knots_of(columns, good)]
+        columns, loads = curve.columns(), curve.mean_pressure
+        usable = loads[knots_of(columns)]
         if usable.size < 2:
             raise InputError("the curve has fewer than two converged points with load")
         # the error and the conductance are read off as the stiffness is, in its logarithm
@@ -128,9 +127,9 @@ class InterfaceLaw:
                 )
         low, high = usable.min(), usable.max()
         pressure = np.linspace(low ** (1 / 3), high ** (1 / 3), _ROWS - 1) ** 3
-        point = read_off(columns, good, {"pressure": pressure})
+        point = read_off(columns, {"pressure": pressure})
         more = {
-            name: read_off({**columns, "stiffness": values}, good, {"pressure": pressure}).stiffness
+            name: read_off({**columns, "stiffness": values}, {"pressure": pressure}).stiffness
             for name, values in told.items()
         }
         first = -np.diff(point.separation[:2])[0] / np.diff(pressure[:2])[0]

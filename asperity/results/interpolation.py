@@ -98,15 +98,13 @@ def contact_pressure(load: ArrayLike, area: ArrayLike) -> NDArray[np.float64]:
 
 
 def read_off(
-    columns: Mapping[str, NDArray[Any]],
-    converged: NDArray[np.bool_],
-    questions: Mapping[str, ArrayLike | None],
+    columns: Mapping[str, NDArray[Any]], questions: Mapping[str, ArrayLike | None]
 ) -> CurvePoint:
     """Interpolate a curve, see `ContactCurve.at`.
 
-    Its columns `READ_FIELDS`, shape (n,) each, are read between the points that converged, where
-    `questions` says by the names of `QUESTIONS`; all but one of these are None. The errors `STATED`
-    may be among the columns.
+    Of its columns (`CurveTable.columns`) `READ_FIELDS` are read between the points that converged,
+    and the errors `STATED` if they are there, where `questions` says by the names of `QUESTIONS`;
+    all but one of these are None.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -116,7 +114,7 @@ def read_off(
             "give one of pressure, load, separation or area_fraction to read the curve off"
         )
     name, (column, unit) = given[0], QUESTIONS[given[0]]
-    order = knots_of(columns, converged)
+    order = knots_of(columns)
     if column == "area_fraction":
         order = order[_rising(columns[column][order])]
     if len(order) < 2:
@@ -182,16 +180,14 @@ def _inverse(
     return np.asarray(0.5 * (low + high) + (wanted - inside))
 
 
-def knots_of(
-    columns: Mapping[str, NDArray[Any]], converged: NDArray[np.bool_]
-) -> NDArray[np.int64]:
+def knots_of(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
     """Indices of the points between which a curve is interpolated, in the order of the load.
 
     They are the points under load whose separation is smaller than that of all lighter ones; in
     full contact, where the separation stays, only the lightest.
     """
     pressures, separations = columns["mean_pressure"], columns["separation"]
-    usable = converged & (pressures > 0) & np.isfinite(separations)
+    usable = columns["converged"] & (pressures > 0) & np.isfinite(separations)
     order = np.flatnonzero(usable)[np.argsort(pressures[usable])]
     order = order[_rising(pressures[order])]
     scale = np.abs(separations[order]).max(initial=0.0) or 1.0
