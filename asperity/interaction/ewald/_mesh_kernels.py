@@ -18,7 +18,7 @@ from numba import carray, njit
 from surfaces.numerics.compiled import SUMS, compiled, inner
 
 from ._mesh_vector_kernels import add_moved, add_spread, add_stored, read, read_stored, set_stored
-from ._pair_block_kernels import doubles, floats
+from ._pair_block_kernels import VARIANCE_CAP, doubles, floats
 
 NODES, SIZE = np.uint64(4), np.uint64(16)
 # lines of a patch on its own
@@ -69,11 +69,11 @@ def _copy_patch(mesh, lines, first, patch):
 
 
 @compiled(fastmath=SUMS)
-def deposit(rows, y, x, force, variance, cap, dipole, per_step, masses, aside):
+def deposit(rows, y, x, force, variance, dipole, per_step, masses, aside):
     """Spread sources on the meshes `masses` and `aside` (my, mx).
 
-    First mesh: forces with half their variance, up to `cap`, times the Laplacian; second mesh:
-    forces times shifts `dipole` (n, 2).
+    First mesh: forces with half their variance, up to `VARIANCE_CAP`, times the Laplacian; second
+    mesh: forces times shifts `dipole` (n, 2).
     """
     masses[:] = 0.0
     aside[:] = 0.0
@@ -88,7 +88,7 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, masses, aside):
             continue
         iy, ix, at = _at(y[i] * ny, x[i] * nx)
         lines = _lines(iy, my)
-        half = 0.5 * min(variance[i], cap)
+        half = 0.5 * min(variance[i], VARIANCE_CAP)
         spread = (half * ny * ny, half * nx * nx)
         shifted = (dipole[i, 0] * ny, dipole[i, 1] * nx)
         if ix + NODES <= width:
@@ -116,7 +116,7 @@ def _read(mesh, iy, ix, at, patch):
 
 
 @compiled(fastmath=SUMS)
-def gather(rows, y, x, force, variance, cap, own, per_step, scale, size, smooth, aside, near, out):
+def gather(rows, y, x, force, variance, own, per_step, scale, size, smooth, aside, near, out):
     """Sum of the mesh part, less what each point does to itself there, and the `near` part (n, 6).
 
     Into `out`, a `Field`, times `scale` (3): of lengths, of slopes over variance, which footprints
@@ -130,10 +130,12 @@ def gather(rows, y, x, force, variance, cap, own, per_step, scale, size, smooth,
     for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
         iy, ix, at = _at(y[i] * ny, x[i] * nx)
         level, along, across, bent, curved = _read(smooth, iy, ix, at, patch)
-        held = min(variance[i], cap)
+        held = min(variance[i], VARIANCE_CAP)
         bent = 0.5 * (ny * ny * bent + nx * nx * curved)
         level += held * bent - force[i] * (f0 + held * (f1 + 0.25 * held * f2))
-        bent = bent - force[i] * (0.5 * f1 + 0.25 * held * f2) if variance[i] < cap else 0.0
+        bent = (
+            bent - force[i] * (0.5 * f1 + 0.25 * held * f2) if variance[i] < VARIANCE_CAP else 0.0
+        )
         value[i] = scale[0] * (level + near[i, 0])
         slope[i] = scale[1] * size[i] * (bent + near[i, 1])
         level = _read(aside, iy, ix, at, other)[0]
@@ -166,14 +168,14 @@ def sample(y, x, origin, unit, size, wrap, per_step, scale, grid, out):
 
 
 @compiled(fastmath=SUMS)
-def spline(rows, index, y, x, variance, cap, per_step, place, weight):
+def spline(rows, index, y, x, variance, per_step, place, weight):
     """First line and column (n, 2) and the 16 weights (n, 4, 4) of spread forces at the points
     `index`, as `deposit` and `gather` apply them."""
     ny, nx = per_step
     for k in range(np.uint64(rows[0]), np.uint64(rows[1])):
         i = np.uint64(index[k])
         iy, ix, at = _at(y[i] * ny, x[i] * nx)
-        half = 0.5 * min(variance[k], cap)
+        half = 0.5 * min(variance[k], VARIANCE_CAP)
         place[k, 0] = iy
         place[k, 1] = ix
         set_stored(weight, SIZE * k, at, (half * ny * ny, half * nx * nx))

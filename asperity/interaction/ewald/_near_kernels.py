@@ -16,6 +16,7 @@ from surfaces.numerics.compiled import compiled, inner
 from ._pair_block_kernels import (
     BLOCK,
     BOTH,
+    CAP,
     COLUMNS,
     DX,
     DY,
@@ -28,6 +29,7 @@ from ._pair_block_kernels import (
     SKEW,
     TINY,
     VALUE,
+    VARIANCE_CAP,
     ZERO,
     floats,
     long_pairs,
@@ -136,7 +138,7 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, k, ptr, col, pair):
 
 
 @compiled()
-def active_points(active, stiffness, extra, footprint, own, cap, scale, moments, cell, out):
+def active_points(active, stiffness, extra, footprint, own, scale, moments, cell, out):
     """The active points, into `out`: of all points their `rank` among these or -1, and in `narrow`
     (2, n) their variance and that times skew, zero where they are not active; their places `index`,
     their variance size (f k)^q with f, q of `footprint`, their own compliance and the diagonal of
@@ -156,7 +158,7 @@ def active_points(active, stiffness, extra, footprint, own, cap, scale, moments,
         k = stiffness[i]
         wide = factor * k * factor * k if exponent == 2.0 else (factor * k) ** exponent
         wide *= size[i]
-        held = min(wide, cap)
+        held = min(wide, VARIANCE_CAP)
         rank[i] = n
         narrow[0, i] = wide
         narrow[1, i] = wide * skew[i]
@@ -174,7 +176,7 @@ def tangent_list(rows, near, rank, variance, skew, form, kernel, tangent):
     the first row on, into `tangent`: bounds, columns and values. `near`, `variance`, `skew`, `form`
     and `kernel` are as for `near_fields`."""
     ptr, col, pair = near
-    shape, far, beads, cap, power = kernel
+    shape, far, beads, power = kernel
     tptr, tcol, tval = tangent
     s = carray(floats(), (COLUMNS * BLOCK,))
     row = carray(places(), (BLOCK,))
@@ -189,7 +191,6 @@ def tangent_list(rows, near, rank, variance, skew, form, kernel, tangent):
         away[0, k], away[1, k] = ONE, ONE
     dy = s[DY : DY + NEXT]
     dx = s[DX : DX + NEXT]
-    cap = np.float32(cap)
     a = np.float32(0.5 * power)
     i = np.uint64(rows[0])
     stop = np.uint64(rows[1])
@@ -235,8 +236,8 @@ def tangent_list(rows, near, rank, variance, skew, form, kernel, tangent):
             s[k + SKEW] = doubt - NEGLIGIBLE * reach
         set_powers(lanes, s, ROOT, power)
         for k in range(lanes):
-            ci = min(variance[np.uint64(row[k])], cap)
-            cj = min(variance[np.uint64(column[k])], cap)
+            ci = min(variance[np.uint64(row[k])], CAP)
+            cj = min(variance[np.uint64(column[k])], CAP)
             value, bend, cross, _, _ = smooth(dy[k] * dy[k] + dx[k] * dx[k], far, a)
             w = s[k + BOTH] * s[k + INVERSE]
             near = look(shape, 0, w) * s[k + ROOT]

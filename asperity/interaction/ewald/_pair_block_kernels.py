@@ -27,6 +27,11 @@ columns = on_stack(types.float64, COLUMNS * BLOCK)
 floats = on_stack(types.float32, COLUMNS * BLOCK)
 places = on_stack(types.int32, 2 * BLOCK)
 
+VARIANCE_CAP = 0.35
+"""Largest variance over the squared split length that the expansion takes; wider footprints keep
+this second moment beyond the cut-off."""
+CAP = np.float32(VARIANCE_CAP)
+
 ROUNDEST = np.float32(0.06)
 """Least variance of the round parts of a long footprint over that along it."""
 NEGLIGIBLE = np.float32(0.02)

@@ -17,6 +17,7 @@ from ._pair_block_kernels import (
     BEND,
     BLOCK,
     BOTH,
+    CAP,
     COLUMNS,
     CROSS,
     FAST,
@@ -33,6 +34,7 @@ from ._pair_block_kernels import (
     TINY,
     TO_COLUMN,
     TO_ROW,
+    VARIANCE_CAP,
     WIDE,
     ZERO,
     columns,
@@ -148,7 +150,7 @@ def _set_sums(count, s, d, both, dy, dx):
 
 
 @compiled()
-def in_split_lengths(variance, growth, moment, size, skew, cap, eta, exact, record, wide, dipole):
+def in_split_lengths(variance, growth, moment, size, skew, eta, exact, record, wide, dipole):
     """What `near_fields` reads, in split lengths, for footprints of `size` times the `variance` and
     `growth`. `exact` is the variance."""
     square = 1.0 / (eta * eta)
@@ -160,7 +162,7 @@ def in_split_lengths(variance, growth, moment, size, skew, cap, eta, exact, reco
         record[i, 0] = exact[i]
         record[i, 1] = broad
         record[i, 2] = broad * skew[i]
-        record[i, 3] = min(exact[i], cap)
+        record[i, 3] = min(exact[i], VARIANCE_CAP)
         dipole[i, 0] = moment[i, 0] / eta
         dipole[i, 1] = moment[i, 1] / eta
 
@@ -171,15 +173,16 @@ def near_fields(rows, force, record, wide, form, dipole, near, kernel, value_tab
     what v0 lacks for footprints that are not round.
 
     The energy of the pair (i, j) is F_i F_j N(r; m_i, m_j); v0_i = sum F_j N and
-    v1_i = sum F_j dN/dm_i. The smooth part that is subtracted takes variances up to `cap` only,
-    as the mesh does. `record` (n, 4) holds the variance; that of the footprints of the gradients,
-    `wide` in single precision, the mean of receiver and source; by how much these differ from round
-    ones; and what the mesh takes of the variance. Moments of the footprints over their variance are
-    `form` (3, n), yy, xx, xy; `dipole` (n, 2) are forces times shifts. `near` are `NearPairs`,
-    `kernel` is `Interaction.kernel`, its first table in double precision the `value_table`.
+    v1_i = sum F_j dN/dm_i. The smooth part that is subtracted takes variances up to `VARIANCE_CAP`
+    only, as the mesh does. `record` (n, 4) holds the variance; that of the footprints of the
+    gradients, `wide` in single precision, the mean of receiver and source; by how much these differ
+    from round ones; and what the mesh takes of the variance. Moments of the footprints over their
+    variance are `form` (3, n), yy, xx, xy; `dipole` (n, 2) are forces times shifts. `near` are
+    `NearPairs`, `kernel` is `Interaction.kernel`, its first table in double precision the
+    `value_table`.
     """
     ptr, col, pair = near
-    shape, far, beads, cap, power = kernel
+    shape, far, beads, power = kernel
     out[:] = 0.0
     s = carray(floats(), (COLUMNS * BLOCK,))
     d = carray(columns(), (COLUMNS * BLOCK,))
@@ -193,7 +196,6 @@ def near_fields(rows, force, record, wide, form, dipole, near, kernel, value_tab
     for k in range(BLOCK):
         listed[0, k], listed[1, k] = 0, 0
         away[0, k], away[1, k] = ONE, ONE
-    cap = np.float32(cap)
     a = np.float32(0.5 * power)
     i = np.uint64(rows[0])
     stop = np.uint64(rows[1])
@@ -217,8 +219,8 @@ def near_fields(rows, force, record, wide, form, dipole, near, kernel, value_tab
             value, bend, cross, pull, turn = smooth(dy[k] * dy[k] + dx[k] * dx[k], far, a)
             inverse = s[k + INVERSE]
             slope = look(shape, 1, s[k + BOTH] * inverse) * s[k + ROOT] * inverse
-            s[k + TO_ROW] = slope - (bend + cj * cross if ci < cap else ZERO)
-            s[k + TO_COLUMN] = slope - (bend + ci * cross if cj < cap else ZERO)
+            s[k + TO_ROW] = slope - (bend + cj * cross if ci < CAP else ZERO)
+            s[k + TO_COLUMN] = slope - (bend + ci * cross if cj < CAP else ZERO)
             d[k + PART] = value + (d[k + OWN] + d[k + OTHER]) * bend
             d[k + PART] += d[k + OWN] * d[k + OTHER] * cross
             s[k + BEND] = pull

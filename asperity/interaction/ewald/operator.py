@@ -29,14 +29,10 @@ from .cells import (
 )
 from .mesh import Mesh, SmoothField, mesh_of
 
-__all__ = ["ROUND", "VARIANCE_CAP", "Field", "Interaction"]
+__all__ = ["ROUND", "Field", "Interaction"]
 
 CUT_OVER_SPLIT_LENGTH = 2.0
 """Cut-off distance of the near pairs, over the split length eta."""
-
-VARIANCE_CAP = 0.35
-"""Largest variance over the squared split length that the expansion takes; wider footprints keep
-this second moment beyond the cut-off."""
 
 PAIRS_ASIDE = 40_000
 """Least number of near pairs that are summed on another thread than the mesh."""
@@ -112,8 +108,8 @@ class Interaction:
     near, pairs
         The near pairs, and their number.
     kernel
-        What loops over near pairs read of the kernel: its tables (`_tables`), `BEADS`,
-        `VARIANCE_CAP` and the exponent of its decay.
+        What loops over near pairs read of the kernel: its tables (`_tables`), `BEADS`
+        and the exponent of its decay.
     two_level
         The points by cells.
     unit
@@ -191,7 +187,7 @@ class Interaction:
             self.y, self.x, size, self.sides, periodic, footprints
         )
         self.value_table, *tables = _tables(footprints.m, cut * cut)
-        self.kernel = (*tables, BEADS, VARIANCE_CAP, footprints.power)
+        self.kernel = (*tables, BEADS, footprints.power)
         self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
         self.unit = math.ldexp(1.0, math.frexp(self.eta / self.scale)[1])
@@ -233,12 +229,12 @@ class Interaction:
         growth = np.zeros(n) if growth is None else growth
         dipole = np.empty((n, 2))
         _pair_kernels.in_split_lengths(
-            variance, growth, moment, size, skew, VARIANCE_CAP, self.eta, m, record, wide, dipole
+            variance, growth, moment, size, skew, self.eta, m, record, wide, dipole
         )
         found = Field(np.empty(n), np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n))
 
         def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
-            place = self.y, self.x, force, m, VARIANCE_CAP, dipole, self.mesh.per_step
+            place = self.y, self.x, force, m, dipole, self.mesh.per_step
             _mesh_kernels.deposit(np.array([0, n]), *place, self.masses, self.aside)
             return self.mesh.convolve(self.masses), self.mesh_aside.convolve(self.aside)
 
@@ -257,7 +253,7 @@ class Interaction:
             )
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
-            place = self.y, self.x, force, m, VARIANCE_CAP, self.own, self.mesh.per_step
+            place = self.y, self.x, force, m, self.own, self.mesh.per_step
             near = total(self.part, rows)
             _mesh_kernels.gather(rows, *place, self.scales, size, smooth, other, near, found)
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from . import _mesh_kernels, _near_kernels
 from .cells import run, total
-from .operator import VARIANCE_CAP, Interaction
+from .operator import Interaction
 
 __all__ = ["Tangent"]
 
@@ -47,7 +47,6 @@ class Tangent:
             np.empty(0) if extra is None else extra,
             (factor / coupling.eta**body.power, exponent),
             coupling.own,
-            VARIANCE_CAP,
             coupling.scale,
             (size, skew),
             coupling.two_level.cell,
@@ -71,7 +70,6 @@ class Tangent:
                 coupling.y,
                 coupling.x,
                 variance,
-                VARIANCE_CAP,
                 coupling.tangent_mesh.per_step,
                 self.place,
                 self.weight,
