@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import compile_ahead, curve_parts
-from asperity.errors import cautious
+from asperity.errors import InputError, cautious
 from asperity.halfspace.load_points import checked_loads, map_facts, pressure_scale
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.interaction.population import handed_on
@@ -37,8 +37,6 @@ from asperity.trust.error_estimate import (
 )
 from asperity.trust.verified import anchored
 from surfaces.heightmap import HeightMap
-
-from .errors import InputError
 
 __all__ = ["contact_curve", "solve_loads"]
 
