@@ -50,9 +50,6 @@ _MAX_CORRECTIONS = 60
 _MAX_IDLE = 6
 """Successive corrections that hardly lower the error after which the solution has stagnated."""
 
-_MAX_INNER = 200
-"""Most iterations on the list within one correction."""
-
 _SMALL_GRID = 128 * 128
 """Points of a grid up to which its whole transform is cheaper than the split operator."""
 
@@ -238,7 +235,6 @@ class Level:
             gap,
             scale=scale,
             tolerance=_next_error(error, _LIST_SHARE * tolerance, operator.aim),
-            longest=_MAX_INNER,
             total=None if mean is None else mean * self.heights.size,
             cap=self.cap,
         )

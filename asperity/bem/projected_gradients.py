@@ -16,6 +16,9 @@ SPARE_LOAD = 1.05
 """Load that the listed points could bear at the cap, over the prescribed load: lists hold at least
 as many points as that takes."""
 
+_MAX_ITERATIONS = 200
+"""Most iterations on a list."""
+
 _SHORTEST_STEP = 1e-3
 """Share of a step, or of the cap if the step is longer, below which a shortened step is replaced by
 one of steepest descent."""
@@ -54,12 +57,11 @@ def solve_on_list(
     *,
     scale: float,
     tolerance: float,
-    longest: int,
     total: float | None,
     cap: float,
 ) -> int:
     """Solve the contact problem on a list of points, in place; returns the number of iterations, at
-    most `longest`.
+    most `_MAX_ITERATIONS`.
 
     Parameters
     ----------
@@ -101,8 +103,8 @@ def solve_on_list(
     carried = pressure.sum() if total is None else total
     margin = _ENERGY_NOISE * min(tolerance, _LOOSEST_NOISE) * scale * carried
     plain = False
-    for iterations in range(1, longest + 1):
-        if state.renew() / scale <= tolerance or iterations == longest:
+    for iterations in range(1, _MAX_ITERATIONS + 1):
+        if state.renew() / scale <= tolerance or iterations == _MAX_ITERATIONS:
             break
         if state.energy > lowest_energy + margin:
             # under a low cap longer steps go from bound to bound, whatever part of them is taken

@@ -37,7 +37,6 @@ def solve(operator, pressure, heights, *, total, cap=np.inf, tolerance=1e-5):
         operator.matrix @ pressure - heights,
         scale=heights.std(),
         tolerance=tolerance,
-        longest=500,
         total=total,
         cap=cap,
     )

@@ -239,9 +239,9 @@ def test_energy_is_the_work_of_the_load():
 
 def test_stagnation_is_not_convergence(monkeypatch):
     """A solve that cannot reach its tolerance says so."""
-    from asperity.bem import correction
+    from asperity.bem import projected_gradients
 
-    monkeypatch.setattr(correction, "_MAX_INNER", 1)
+    monkeypatch.setattr(projected_gradients, "_MAX_ITERATIONS", 1)
     solution = bem_solve(rough(seed=12), BODY, pressure=0.02, tolerance=1e-9)
     assert not solution.converged
     assert solution.status == "stagnated"
