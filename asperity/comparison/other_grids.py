@@ -23,13 +23,17 @@ __all__ = [
     "LOOSE_TOLERANCE",
     "coarse_grids",
     "coarse_run",
+    "error_table",
     "load_at_separation",
     "refined_run",
     "rms",
+    "rms_errors",
 ]
 
 LOOSE_TOLERANCE = 1e-2
 """Tolerance of the cheap boundary-element runs; looser saves little, tighter changes nothing."""
+
+ERRORS = ("load_error", "area_error", "separation_error")
 
 SMALLEST_GRID = 48
 """Coarse boundary-element grids stop here."""
@@ -65,6 +69,38 @@ def load_at_separation(curve: ContactCurve, separation: NDArray[np.float64]) -> 
     return np.asarray(np.exp(spline(inside) + slope * (separation - inside)))
 
 
+def error_table(
+    model: ContactCurve,
+    same: NDArray[np.float64],
+    reference: ContactCurve,
+    pressures: NDArray[np.float64],
+    rms_height: float,
+) -> NDArray[np.void]:
+    """Errors per load point, of the microcontact model or of another grid: `model` at the loads of
+    the reference, pressures [Pa] `same` at its separations."""
+    loaded = np.where(reference.mean_pressure > 0, 1.0, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        load_error = same / reference.mean_pressure - 1.0
+        area_error = model.contact_area / reference.contact_area - 1.0
+    apart = (model.separation - reference.separation) / rms_height
+    return structured(
+        {
+            "mean_pressure": pressures,
+            "area_bem": reference.area_fraction,
+            "area_model": model.area_fraction,
+            "separation_bem": reference.separation,
+            "separation_model": model.separation,
+            "load_error": loaded * load_error,
+            "area_error": loaded * area_error,
+            "separation_error": loaded * apart,
+            "contacts_bem": reference.contacts,
+            "contacts_model": model.contacts,
+            "contact_pressure_bem": reference.mean_contact_pressure,
+            "contact_pressure_model": model.mean_contact_pressure,
+        }
+    )
+
+
 def coarse_run(
     hm: HeightMap,
     material: HalfSpace,
@@ -86,14 +122,9 @@ def coarse_run(
         boundary=boundary,
     )
     seconds = time.perf_counter() - start
-    loaded = reference.converged & (reference.mean_pressure > 0)
-    judged = loaded & curve.converged
-    area = curve.contact_area[judged] / reference.contact_area[judged] - 1.0
-    separation = (curve.separation - reference.separation)[judged] / hm.rms_height
-    shifted = load_at_separation(curve, reference.separation[loaded])
-    load = shifted / reference.mean_pressure[loaded] - 1.0
-    errors = (rms(load), rms(area), rms(separation))
-    return ("bem", *grid, LOOSE_TOLERANCE, seconds, *errors)
+    same = load_at_separation(curve, reference.separation)
+    table = error_table(curve, same, reference, pressures, hm.rms_height)
+    return ("bem", *grid, LOOSE_TOLERANCE, seconds, *rms_errors(table))
 
 
 def refined_run(
@@ -135,6 +166,11 @@ def refined_run(
             "nx": np.full(len(own), finer.shape[1]),
         }
     )
+
+
+def rms_errors(table: NDArray[np.void]) -> list[float]:
+    """Root mean square of each of the `ERRORS` of an `error_table`."""
+    return [rms(table[name]) for name in ERRORS]
 
 
 def rms(values: NDArray[np.float64]) -> float:

@@ -20,7 +20,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.model.plan import Plan, make_plan, require_plan
 from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
-from asperity.results.storage import provenance, structured
+from asperity.results.storage import provenance
 from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 
@@ -28,9 +28,10 @@ from .other_grids import (
     LOOSE_TOLERANCE,
     coarse_grids,
     coarse_run,
+    error_table,
     load_at_separation,
     refined_run,
-    rms,
+    rms_errors,
 )
 from .record import PARETO_TYPE
 from .result import Comparison
@@ -41,8 +42,6 @@ MAP_AREA_FRACTION = 0.03
 """Contact area fraction near which the contact maps are taken."""
 
 Array = NDArray[np.float64]
-
-ERRORS = ("load_error", "area_error", "separation_error")
 
 
 @cautious
@@ -132,11 +131,10 @@ def compare(
         if good.any():
             at = solve_contacts(hm, material, plan, separations=judge.separation[good])
             same[good] = at.curve.mean_pressure
-        table = _table(run.curve, same, judge, pressures, hm.rms_height)
+        table = error_table(run.curve, same, judge, pressures, hm.rms_height)
         seconds = sum(run.curve.seconds.values())
-        errors = (rms(table[name]) for name in ERRORS)
         rows = [
-            ("asperity", *run.curve.settings["grid"], np.nan, seconds, *errors),
+            ("asperity", *run.curve.settings["grid"], np.nan, seconds, *rms_errors(table)),
             ("bem", *hm.shape, tolerance, sum(judge.seconds.values()), 0.0, 0.0, 0.0),
         ]
         for grid in coarse_grids(hm.shape):
@@ -215,38 +213,6 @@ def _pressures(reference: ContactCurve, kind: str, values: NDArray[np.float64]) 
         why = next(filter(None, reference.reasons))
         raise ConvergenceError(f"boundary elements have no curve to compare with: {why}")
     return found
-
-
-def _table(
-    model: ContactCurve,
-    same: Array,
-    reference: ContactCurve,
-    pressures: Array,
-    rms_height: float,
-) -> NDArray[np.void]:
-    """Errors per load point: `model` at the reference's loads, pressures `same` at its
-    separations."""
-    loaded = np.where(reference.mean_pressure > 0, 1.0, np.nan)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        load_error = same / reference.mean_pressure - 1.0
-        area_error = model.contact_area / reference.contact_area - 1.0
-    apart = (model.separation - reference.separation) / rms_height
-    return structured(
-        {
-            "mean_pressure": pressures,
-            "area_bem": reference.area_fraction,
-            "area_model": model.area_fraction,
-            "separation_bem": reference.separation,
-            "separation_model": model.separation,
-            "load_error": loaded * load_error,
-            "area_error": loaded * area_error,
-            "separation_error": loaded * apart,
-            "contacts_bem": reference.contacts,
-            "contacts_model": model.contacts,
-            "contact_pressure_bem": reference.mean_contact_pressure,
-            "contact_pressure_model": model.mean_contact_pressure,
-        }
-    )
 
 
 def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:
