@@ -15,7 +15,7 @@ from .contact_system import ContactSystem
 from .coupled_solve import CROWDED_AREA, solve_at, start_of
 from .population_state import Continuation, PopulationState
 
-__all__ = ["Population", "PopulationState", "handed_on", "solve_under"]
+__all__ = ["Population", "PopulationState", "handed_on"]
 
 LARGEST_AREA_FRACTION = 0.5
 """Area fraction beyond which a point is refused: separate contacts no longer describe the surface.

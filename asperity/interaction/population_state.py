@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .candidates import CandidateList
     from .contact_system import ContactSystem
 
-__all__ = ["POINTS_KEPT", "Continuation", "Point", "PopulationState", "predict", "weights"]
+__all__ = ["Continuation", "Point", "PopulationState", "weights"]
 
 UNLOADING_TOLERANCE = 0.03
 """Relative accuracy of the linear solve for the unloading stiffness."""

@@ -15,7 +15,6 @@ from surfaces.errors import as_numbers
 __all__ = [
     "END_SLACK",
     "POINT_FIELDS",
-    "READ_FIELDS",
     "CurvePoint",
     "contact_pressure",
     "curve_stiffness",

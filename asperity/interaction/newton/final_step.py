@@ -14,7 +14,7 @@ from .laws import Evaluated
 from .state import State
 from .step import Step, conjugate_gradients
 
-__all__ = ["Solution", "finished", "shared", "tangent_of", "tangent_response"]
+__all__ = ["Solution", "finished", "shared", "tangent_of"]
 
 LINEAR_TOLERANCE = 0.2
 """Relative accuracy of the linear solve of a step."""
