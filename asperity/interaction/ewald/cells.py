@@ -28,7 +28,7 @@ __all__ = [
     "NearPairs",
     "TwoLevelPreconditioner",
     "chunks",
-    "long_enough",
+    "least_cut",
     "near_pairs",
     "run",
     "split_length",
@@ -105,25 +105,18 @@ def split_length(
         math.sqrt(neighbors / math.pi * size[0] * size[1] / count),
         0.5 * neighbors * max(size) / count,
     )
-    floor = _least_cut(count, size, periodic, widest, cut)
+    floor = least_cut(count, size, periodic, widest, cut)
     reach = max(reach, floor)
     if periodic:
         return _repeated(reach, floor, NEAREST_IMAGE * min(size)) / cut
     return max(min(reach, LONGEST_REACH * math.hypot(*size)), floor) / cut
 
 
-def long_enough(
-    eta: float, count: int, size: tuple[float, float], periodic: bool, widest: float, cut: float
-) -> bool:
-    """Whether a split length is that of footprints of the variance `widest`, or the largest that
-    so many points have; arguments as of `split_length`."""
-    return cut * eta >= (1 - 1e-9) * _least_cut(count, size, periodic, widest, cut)
-
-
-def _least_cut(
+def least_cut(
     count: int, size: tuple[float, float], periodic: bool, widest: float, cut: float
 ) -> float:
-    """Least cut-off for footprints; arguments as of `split_length`."""
+    """Least cut-off [m] for footprints of the variance `widest`, no more than so many points can
+    have; arguments as of `split_length`."""
     least = cut * SPLIT_OVER_WIDTH * math.sqrt(widest)
     if not periodic:
         return least

@@ -21,7 +21,7 @@ from .cells import (
     NearPairs,
     TwoLevelPreconditioner,
     chunks,
-    long_enough,
+    least_cut,
     near_pairs,
     run,
     split_length,
@@ -273,7 +273,8 @@ class Interaction:
     def holds(self, widest: float) -> bool:
         """Whether the split length is long enough for footprints of the variance `widest` [m^2], or
         the largest for this number of points."""
-        return long_enough(self.eta, len(self.order), self.sides, self.wrap, widest, self.cut)
+        least = least_cut(len(self.order), self.sides, self.wrap, widest, self.cut)
+        return self.cut * self.eta >= (1 - 1e-9) * least
 
     def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
         """The interaction of these pairs with its points moved a little, by `dy` and `dx` [m],
