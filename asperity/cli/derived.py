@@ -17,12 +17,9 @@ from .messages import warn
 def add_derived_options(parser: argparse.ArgumentParser) -> None:
     """Options for what the normal curve tells beyond itself."""
     group = parser.add_argument_group("from the curve (homogeneous bodies)")
-    group.add_argument(
-        "--resistivity",
-        nargs=2,
-        type=quantities.of("plain number"),
-        metavar=("RHO1", "RHO2"),
-        help="of both bodies [Ohm m] or [m K/W]: constriction conductance, printed and in the CSV",
+    add_resistivity_option(
+        group,
+        "of both bodies [Ohm m] or [m K/W]: constriction conductance, printed and in the CSV",
     )
     group.add_argument(
         "--friction",
@@ -36,6 +33,12 @@ def add_derived_options(parser: argparse.ArgumentParser) -> None:
         suffix=".csv",
         help="CSV table of shear against tangential displacement, heaviest load",
     )
+
+
+def add_resistivity_option(parser: Any, what: str) -> None:
+    """Option of the conductance."""
+    number = quantities.of("plain number")
+    parser.add_argument("--resistivity", nargs=2, type=number, metavar=("RHO1", "RHO2"), help=what)
 
 
 def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Namespace) -> None:

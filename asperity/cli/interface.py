@@ -6,7 +6,7 @@ import argparse
 
 from asperity.results.interface_law import BANDS, FORMATS, UNITS
 
-from . import derived, output, quantities, targets
+from . import derived, output, targets
 from .messages import tell
 
 EPILOG = """example:
@@ -21,12 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", choices=FORMATS, default=FORMATS[0], help="default abaqus")
     parser.add_argument("--units", choices=UNITS, default="SI", help="default SI")
     parser.add_argument("--band", choices=BANDS, default=BANDS[0], help="default pressure")
-    parser.add_argument(
-        "--resistivity",
-        type=quantities.of("plain number"),
-        nargs=2,
-        metavar=("RHO1", "RHO2"),
-        help="thermal resistivities of both bodies [m K/W]: adds the gap conductance",
+    derived.add_resistivity_option(
+        parser, "thermal resistivities of both bodies [m K/W]: adds the gap conductance"
     )
     targets.add_target(
         parser,
