@@ -18,12 +18,12 @@ def answer(problem: ContactProblem, outcome: Outcome) -> dict[str, Any]:
 
     In full contact of a periodic cell the separation is zero, without rounding.
     """
-    hm, level, reading = problem.hm, problem.level, outcome.reading
+    hm, finest, reading = problem.hm, problem.finest, outcome.reading
     mean = reading.total / hm.heights.size / problem.compliance
     full = math.isinf(outcome.stiffness)
     raw, area, patches = outcome.contact
     return {
-        "separation": 0.0 if full else -(reading.level + level.mean_height) * problem.unit,
+        "separation": 0.0 if full else -(reading.level + finest.mean_height) * problem.unit,
         "mean_pressure": mean,
         "load": mean * hm.area,
         "area_fraction": area / hm.area,
@@ -43,7 +43,7 @@ def answer_of_hardness(problem: ContactProblem, outcome: Outcome) -> dict[str, f
     """Further numbers of a solution under a hardness."""
     reading, area = outcome.reading, outcome.contact[1]
     held = reading.held * (problem.hm.area / problem.hm.heights.size)
-    slope = contact_stiffness(problem.level, reading, unloading=True) if outcome.converged else 0.0
+    slope = contact_stiffness(problem.finest, reading, unloading=True) if outcome.converged else 0.0
     return {
         "lift": reading.certificate.lift,
         "plastic_share": min(held / max(area, 1e-300), 1.0),
@@ -54,7 +54,7 @@ def answer_of_hardness(problem: ContactProblem, outcome: Outcome) -> dict[str, f
 
 def _slope(problem: ContactProblem, outcome: Outcome, stiffness: float) -> float:
     """Minus the slope of mean pressure over separation [Pa/m], NaN if not converged."""
-    return (stiffness if outcome.converged else math.nan) / problem.level.exact.compliance
+    return (stiffness if outcome.converged else math.nan) / problem.finest.exact.compliance
 
 
 def _energy(problem: ContactProblem) -> float:

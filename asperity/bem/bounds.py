@@ -36,7 +36,7 @@ def load_error(problem: ContactProblem, outcome: Outcome) -> float:
     taken: that of the stiffness of this contact, and F/U (`_past_error`). In full contact of a
     periodic cell no load changes the separation: the error is that of the prescribed load.
     """
-    now = outcome.stiffness * problem.level.heights.size / max(outcome.reading.total, 1e-300)
+    now = outcome.stiffness * problem.finest.heights.size / max(outcome.reading.total, 1e-300)
     now = _level_error(outcome) * now if math.isfinite(now) else 0.0
     return max(_past_error(problem, outcome), now)
 
@@ -59,7 +59,7 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     if pixels == 0.0:
         return 0.0, 0.0
     reading, far = outcome.reading, _DECIDED_LENGTH * _level_error(outcome)
-    _, pressure, gap = problem.level.select(reading, reading.level + far)
+    _, pressure, gap = problem.finest.select(reading, reading.level + far)
     pressed = pressure > 0.0
     # a point under pressure lies as deep as this pressure alone displaces it
     opens = _by_length(pressure[pressed] * problem.own, far)

@@ -20,7 +20,7 @@ from .operator import HalfSpaceOperator
 from .projected_gradients import SPARE_LOAD, solve_on_list
 from .split import SplitOperator
 
-__all__ = ["Level", "Outcome", "PoorPredictionError", "PressureOrigin"]
+__all__ = ["NestedGrid", "Outcome", "PoorPredictionError", "PressureOrigin"]
 
 Selection = tuple[ContactList, NDArray[np.float64], NDArray[np.float64]]
 """Points of a grid, their pressures p~ and their gaps u - h [m]."""
@@ -111,7 +111,7 @@ class Outcome:
     contact: tuple[float, float, int] = (0.0, 0.0, 0)
 
 
-class Level:
+class NestedGrid:
     """One grid of the nested solver.
 
     It holds the heights [m], shape (ny, nx), the exact operator, whose `pressure` is the state of

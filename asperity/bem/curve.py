@@ -216,11 +216,11 @@ def _require_accuracy(accuracy: float | tuple[float, float]) -> tuple[float, flo
 def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:
     """Solve at one load and read the point off the state, with its contact map if that is kept."""
     problem = path.problem
-    exact = problem.level.exact
+    exact = problem.finest.exact
     begun, pairs = time.perf_counter(), exact.pairs
     outcome = path.solve(**{kind: value})
     certificate = outcome.reading.certificate
-    contact = problem.level.pressure > 0.0 if keep_map else _NO_MAP
+    contact = problem.finest.pressure > 0.0 if keep_map else _NO_MAP
     columns = answer(problem, outcome) | {
         "residual": certificate.worst,
         "load_error": certificate.load,
@@ -229,7 +229,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "fft_pairs": exact.pairs - pairs,
         "seconds": time.perf_counter() - begun,
     }
-    if math.isfinite(problem.level.cap):
+    if math.isfinite(problem.finest.cap):
         columns |= answer_of_hardness(problem, outcome)
     return SolvedLoad(columns, contact, outcome.reason)
 

@@ -14,7 +14,7 @@ from surfaces.preparation.resampling import resample_waves
 
 from ._grid_kernels import interpolate
 
-__all__ = ["coarse_maps", "level_shapes", "prolong"]
+__all__ = ["coarse_maps", "nested_shapes", "prolong"]
 
 _COARSEST_POINTS = 48
 """Points of the shorter side at which the nested grids end."""
@@ -25,7 +25,7 @@ so many are bound by memory: one of half the points costs a third of the finest 
 there than on smaller ones."""
 
 
-def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
+def nested_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
     """Shapes of the nested grids, coarsest first; each has about half the points of the next along
     each axis, or a quarter."""
     shapes = [shape]

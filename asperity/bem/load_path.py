@@ -152,7 +152,7 @@ class LoadPath:
         if not problem.touches(load, offset):
             self._old, self._means = None, (0.0, 0.0)
             problem.start(load, offset)
-            return problem.level.solve(load, offset, problem.tolerance)
+            return problem.finest.solve(load, offset, problem.tolerance)
         last = self._means[1]
         mean = load if offset is None else self._forecast(offset)
         outcome = None
@@ -208,7 +208,7 @@ class LoadPath:
 
     def _copied(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """The last state in single precision."""
-        exact = self.problem.level.exact
+        exact = self.problem.finest.exact
         return exact.pressure.astype(np.float32), exact.displacement.astype(np.float32)
 
     def _forecast(self, offset: float) -> float:
@@ -221,7 +221,7 @@ class LoadPath:
 
     def _predict(self, mean: float) -> None:
         """Extrapolate pressure and displacement to a mean pressure."""
-        exact = self.problem.level.exact
+        exact = self.problem.finest.exact
         now = exact.pressure, exact.displacement
         if self._old is None:
             self._old = np.zeros(now[0].shape, np.float32), np.zeros(now[1].shape, np.float32)

@@ -16,8 +16,8 @@ from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
-from .correction import Level, Outcome, PressureOrigin
-from .grids import coarse_maps, level_shapes, prolong
+from .correction import NestedGrid, Outcome, PressureOrigin
+from .grids import coarse_maps, nested_shapes, prolong
 from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .solution import read_contact
@@ -51,7 +51,7 @@ class ContactProblem:
     ----------
     unit
         Unit of heights and displacements inside [m]: 1, or a power of two near the rms height.
-    level
+    finest
         The finest grid, in that unit; its pressure is the state.
     compliance
         Unit of pressure inside [1/Pa]: p~ = compliance p, a displacement in units.
@@ -77,15 +77,14 @@ class ContactProblem:
         if not 1e-12 <= as_number("tolerance", tolerance) <= 0.1:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
         self.boundary = chosen_boundary(hm, boundary)
-        heights = hm.heights
         require_memory(hm.shape, self.boundary, share)
         self.hm, self.material, self.tolerance = hm, material, float(tolerance)
         exact = HalfSpaceOperator(hm.shape, hm.spacing, material, self.boundary)
         self.unit = _unit(hm.roughness.rms_height or _FLAT_UNIT * max(hm.spacing))
         self.compliance = exact.compliance / self.unit
         self.own = float(influence((1, 1), hm.spacing, exact.m)[0, 0])
-        heights = heights if self.unit == 1.0 else heights / self.unit
-        self.level = Level(heights, exact, material.hardness * self.compliance)
+        heights = hm.heights if self.unit == 1.0 else hm.heights / self.unit
+        self.finest = NestedGrid(heights, exact, material.hardness * self.compliance)
 
     def prescribed(
         self, pressure: float | None = None, separation: float | None = None
@@ -112,16 +111,16 @@ class ContactProblem:
             return value * self.compliance, None
         if not math.isfinite(value):
             raise InputError(f"separation is {separation!r} m; give a finite distance")
-        if self.boundary == "periodic" and value <= 0.0 and math.isinf(self.level.cap):
+        if self.boundary == "periodic" and value <= 0.0 and math.isinf(self.finest.cap):
             raise InputError(
                 f"separation is {value:.4g} m; in a periodic cell it is the mean gap, which "
                 "is positive below full contact; prescribe a pressure instead"
             )
-        return 0.0, -value / self.unit - self.level.mean_height
+        return 0.0, -value / self.unit - self.finest.mean_height
 
     def touches(self, load: float, offset: float | None) -> bool:
         """Whether there is any contact at the prescribed load or level."""
-        return load > 0.0 if offset is None else -offset < self.level.highest
+        return load > 0.0 if offset is None else -offset < self.finest.highest
 
     def start(
         self, load: float, offset: float | None, given: NDArray[np.float64] | None = None
@@ -130,7 +129,7 @@ class ContactProblem:
 
         Returns how it went on the last of these, with the iterations spent on all of them.
         """
-        pressure = self.level.pressure
+        pressure = self.finest.pressure
         if not self.touches(load, offset):
             pressure[:] = 0.0
             return None
@@ -143,15 +142,15 @@ class ContactProblem:
     def _nested(self, load: float, offset: float | None) -> Outcome | None:
         """Start from the coarser grids."""
         if offset is not None:
-            length = max(self.level.rms_height, _FIRST_LOAD * (offset + self.level.highest))
-            load = min(_FIRST_LOAD * length, 0.1 * self.level.cap)
-        shapes = level_shapes(self.hm.shape)[:-1]
-        fine, whole = self.level.exact, self.level.heights
+            length = max(self.finest.rms_height, _FIRST_LOAD * (offset + self.finest.highest))
+            load = min(_FIRST_LOAD * length, 0.1 * self.finest.cap)
+        shapes = nested_shapes(self.hm.shape)[:-1]
+        fine, whole = self.finest.exact, self.finest.heights
         row, column = np.unravel_index(whole.argmax(), whole.shape)
         top = (int(row), int(column)) if self.boundary == "periodic" else (0, 0)
         scratch = Scratch(fine.output)
         outcome: Outcome | None = None
-        coarse: Level | None = None
+        coarse: NestedGrid | None = None
         ly, lx = self.hm.size
         for heights in coarse_maps(whole, self.boundary, shapes, top):
             ny, nx = heights.shape
@@ -160,24 +159,24 @@ class ContactProblem:
                 (ny, nx), spacing, self.material, self.boundary, scratch=scratch
             )
             ratio = exact.compliance / fine.compliance
-            level = Level(heights, exact, ratio * self.level.cap)
-            if offset is not None and -offset >= level.highest:
+            grid = NestedGrid(heights, exact, ratio * self.finest.cap)
+            if offset is not None and -offset >= grid.highest:
                 continue
-            self._start(level, coarse, ratio * load, offset)
+            self._start(grid, coarse, ratio * load, offset)
             tolerance = max(_COARSE_TOLERANCE, self.tolerance)
             spent = outcome.iterations if outcome else 0
-            outcome = level.solve(ratio * load, offset, tolerance)
+            outcome = grid.solve(ratio * load, offset, tolerance)
             outcome.iterations += spent
             if offset is not None:
                 load = outcome.reading.total / heights.size / ratio
-            coarse = level
-        self._start(self.level, coarse, load, offset, top)
+            coarse = grid
+        self._start(self.finest, coarse, load, offset, top)
         return outcome
 
     def _start(
         self,
-        level: Level,
-        coarse: Level | None,
+        grid: NestedGrid,
+        coarse: NestedGrid | None,
         mean: float,
         offset: float | None,
         origin: tuple[int, int] = (0, 0),
@@ -188,30 +187,30 @@ class ContactProblem:
             prolong(
                 coarse.exact.pressure,
                 coarse.heights.shape,
-                level.exact.pressure,
-                level.heights.shape,
+                grid.exact.pressure,
+                grid.heights.shape,
                 self.boundary,
                 mean,
                 origin,
             )
-        elif offset is not None and math.isinf(level.cap):
-            highest = np.unravel_index(level.heights.argmax(), level.heights.shape)
-            level.pressure[highest] = mean * level.heights.size
+        elif offset is not None and math.isinf(grid.cap):
+            highest = np.unravel_index(grid.heights.argmax(), grid.heights.shape)
+            grid.pressure[highest] = mean * grid.heights.size
         else:
-            level.pressure[:] = mean
+            grid.pressure[:] = mean
 
     def solve(
         self, load: float, offset: float | None, tolerance: float, origin: PressureOrigin
     ) -> Outcome:
-        """Solve on the finest grid, see `Level.solve`, with the area and the stiffness of the
+        """Solve on the finest grid, see `NestedGrid.solve`, with the area and the stiffness of the
         contact found."""
-        level, seam = self.level, self.boundary == "periodic"
-        outcome = level.solve(load, offset, tolerance, origin)
+        finest, seam = self.finest, self.boundary == "periodic"
+        outcome = finest.solve(load, offset, tolerance, origin)
         outcome.contact = read_contact(
-            level.exact.pressure, self.hm.spacing, self.hm.shape[1], level.cap, periodic=seam
+            finest.exact.pressure, self.hm.spacing, self.hm.shape[1], finest.cap, periodic=seam
         )
         if outcome.converged:
-            outcome.stiffness = contact_stiffness(level, outcome.reading)
+            outcome.stiffness = contact_stiffness(finest, outcome.reading)
         return outcome
 
     def settings(self) -> dict[str, Any]:

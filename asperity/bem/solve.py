@@ -101,14 +101,14 @@ def bem_solve(
     outcome = problem.solve(load, offset, problem.tolerance, origin)
     outcome.iterations += coarse.iterations if coarse else 0
     told = answer(problem, outcome)
-    exact, reading = problem.level.exact, outcome.reading
+    exact, reading = problem.finest.exact, outcome.reading
     level = reading.level if offset is None else offset
-    found, gap = problem.level.pressure, exact.displacement[:, : hm.shape[1]]
-    held = found >= problem.level.cap
+    found, gap = problem.finest.pressure, exact.displacement[:, : hm.shape[1]]
+    held = found >= problem.finest.cap
     found /= problem.compliance
     np.minimum(found, material.hardness, out=found)  # both bounds are met to the last digit
     found[held] = material.hardness
-    gap -= problem.level.heights
+    gap -= problem.finest.heights
     gap -= level
     if problem.unit != 1.0:
         gap *= problem.unit

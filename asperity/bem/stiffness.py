@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from .certificate import Reading
-from .correction import Level
+from .correction import NestedGrid
 
 __all__ = ["contact_stiffness"]
 
@@ -18,7 +18,7 @@ MAX_GRADIENT_STEPS = 60
 """Conjugate-gradient steps."""
 
 
-def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False) -> float:
+def contact_stiffness(grid: NestedGrid, reading: Reading, *, unloading: bool = False) -> float:
     """Slope of the mean of p~ over the level of the contact [-], the contact as it is.
 
     Points of the edge come and go without a pressure, so that this is the slope of the curve:
@@ -32,13 +32,13 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
     Preconditioned conjugate gradients minimize ``<q, G q>/2 - <q, 1>``, whose least value is half
     the stiffness.
     """
-    pressed, held, _ = level.select(reading, -math.inf)
-    points = pressed if unloading or not reading.held else pressed.where(held < level.cap)
+    pressed, held, _ = grid.select(reading, -math.inf)
+    points = pressed if unloading or not reading.held else pressed.where(held < grid.cap)
     if len(points) == 0:
         return 0.0
-    if len(points) == level.heights.size and level.exact.boundary == "periodic":
+    if len(points) == grid.heights.size and grid.exact.boundary == "periodic":
         return math.inf
-    operator = level.operator(points)
+    operator = grid.operator(points)
     q, residual = np.zeros(len(points)), np.ones(len(points), np.float32)
     ahead = filtered = operator.precondition(residual)
     first = size = float(np.dot(residual, filtered))
@@ -55,5 +55,5 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
         filtered = operator.precondition(residual)
         size, before = float(np.dot(residual, filtered)), size
         ahead = filtered + np.float32(size / before) * ahead
-    pressed.fill(level.exact.pressure, held)
-    return float(q.sum()) / level.heights.size
+    pressed.fill(grid.exact.pressure, held)
+    return float(q.sum()) / grid.heights.size

@@ -7,12 +7,12 @@ import itertools
 import numpy as np
 import pytest
 
-from asperity.bem.grids import level_shapes, prolong
+from asperity.bem.grids import nested_shapes, prolong
 
 
 @pytest.mark.parametrize("shape", [(4096, 4096), (97, 1000), (211, 197), (64, 64), (1, 300)])
 def test_grids_end_small_and_hold_half_of_the_points_of_the_next_or_a_quarter_of_large_ones(shape):
-    shapes = level_shapes(shape)
+    shapes = nested_shapes(shape)
     assert shapes[-1] == shape
     assert min(shapes[0]) <= 48
     for coarse, fine in itertools.pairwise(shapes):

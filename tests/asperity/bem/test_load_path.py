@@ -10,7 +10,7 @@ from strategies import rough
 
 from asperity import HalfSpace, bem_curve
 from asperity.bem import curve, load_path
-from asperity.bem.correction import Level, PressureOrigin
+from asperity.bem.correction import NestedGrid, PressureOrigin
 from asperity.bem.problem import ContactProblem
 from asperity.limits import set_threads
 
@@ -87,10 +87,10 @@ def test_a_load_is_solved_further_from_where_it_stands():
         problem = ContactProblem(rough((96, 128)), HalfSpace.from_modulus(1.0), tolerance=1e-2)
         load, offset = problem.prescribed(2e-3)
         problem.start(load, offset)
-        problem.level.solve(load, offset, 1e-2, PressureOrigin.PROLONGED)
-        pairs = problem.level.exact.pairs
-        outcome = problem.level.solve(load, offset, 1e-5, origin)
-        found.append((problem.level.exact.pairs - pairs, outcome.reading.level))
+        problem.finest.solve(load, offset, 1e-2, PressureOrigin.PROLONGED)
+        pairs = problem.finest.exact.pairs
+        outcome = problem.finest.solve(load, offset, 1e-5, origin)
+        found.append((problem.finest.exact.pairs - pairs, outcome.reading.level))
     (given, level), (solved, same) = found
     assert given - solved == 1
     assert same == level
@@ -100,14 +100,14 @@ def test_a_load_begins_with_the_tolerance_that_the_one_before_or_the_coarser_gri
     monkeypatch,
 ):
     """Few loads are solved twice, the first one neither."""
-    begun, solve = [], Level.solve
+    begun, solve = [], NestedGrid.solve
 
     def noted(level, load, offset, tolerance, origin=PressureOrigin.GIVEN):
         if origin is not PressureOrigin.GIVEN:
             begun.append((origin, tolerance))
         return solve(level, load, offset, tolerance, origin)
 
-    monkeypatch.setattr(Level, "solve", noted)
+    monkeypatch.setattr(NestedGrid, "solve", noted)
     loads = np.geomspace(0.02, 0.2, 7)
     found = bem_curve(rough((128, 160)), BODY, pressures=loads, accuracy=0.02)
     assert (found.extra["area_error_estimate"] <= 0.02).all()
