@@ -72,24 +72,19 @@ def predict(points: tuple[Point, ...], separation: float, count: int) -> Array:
         values, fall = last.values.copy(), last.separation - separation
         values[0] += np.where(values[0] > 0, values[4] * fall, 0.0)
         return values
-    share: list[float | Array] = [1.0]
-    known, parts = None, [last.values]
-    for back in range(2, len(points) + 1):
-        other, found = points[-back], weights(separation, [p.separation for p in points[-back:]])
-        values = other.values
+    values, known, parts = last.values, np.ones(len(last.rows), bool), [last.values]
+    for back, other in enumerate(reversed(points[:-1]), start=2):
+        part = other.values
         if other.rows is not last.rows:
             place = np.full(count, -1, np.int32)
             place[other.rows] = np.arange(len(other.rows), dtype=np.int32)
             place = place.take(last.rows)
-            known = place >= 0 if known is None else known & (place >= 0)
-            values = values.take(place, axis=1)
-        parts.insert(0, values)
-        share.insert(0, 0.0)
-        for k, weight in enumerate(found):
-            share[k] = weight if known is None else np.where(known, weight, share[k])
-    values = share[0] * parts[0]
-    for weight, part in zip(share[1:], parts[1:], strict=True):
-        values += weight * part
+            known &= place >= 0
+            part = part.take(place, axis=1)
+        parts.insert(0, part)
+        share = weights(separation, [point.separation for point in points[-back:]])
+        found = sum(weight * part for weight, part in zip(share, parts, strict=True))
+        values = np.where(known, found, values)
     values[4] = last.values[4]
     return values
 
