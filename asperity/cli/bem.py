@@ -39,9 +39,7 @@ def _solve(
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
     solve = partial(bem_curve, hm, material, **settings)
     request = output.request_of(hm, material, args, settings)
-    curve = output.solve_and_keep(
-        solve, hm, material, loads, args.output, "bem", request, args.resume
-    )
+    curve = output.solve_and_keep(solve, hm, material, loads, args, "bem", request)
     if args.fields and output.last_converged(curve, args):
         _write_fields(hm, material, settings, curve, args.fields)
     return output.finish(curve, hm, material, args)

@@ -53,7 +53,7 @@ def _compare(
         require_continuable(args.output, request)
 
     solve = partial(bem_curve, hm, material, **settings)
-    kept = (hm, material, loads, args.output, "bem", request, args.resume)
+    kept = (hm, material, loads, args, "bem", request)
     with bar(None, Path(args.file).name) as advance:
         comparison = compare(
             hm,

@@ -53,7 +53,7 @@ def _solve(
     solve = partial(contact_curve, hm, material, plan=plan)
     request = output.request_of(hm, material, args, options.model(args))
     curve = output.solve_and_keep(
-        solve, hm, material, loads, args.output, "asperity", request, args.resume, chained=True
+        solve, hm, material, loads, args, "asperity", request, chained=True
     )
     if (args.contacts or args.spots or args.sizes or args.fields) and output.last_converged(
         curve, args

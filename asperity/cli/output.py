@@ -90,14 +90,13 @@ def solve_and_keep(
     hm: HeightMap,
     material: HalfSpace,
     loads: dict[str, Any],
-    path: str,
+    args: argparse.Namespace,
     model: str,
     request: dict[str, Any],
-    resume: bool,
     chained: bool = False,
 ) -> ContactCurve:
     """Run a solver that takes load points, `progress` and `checkpoint`, such as `contact_curve` of
-    a map and a material; each finished point is kept in the file.
+    a map and a material; each finished point is kept in the results file.
 
     With `chained`, missing points are solved with all others (`run_resumably`).
     """
@@ -110,10 +109,10 @@ def solve_and_keep(
             lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
             values,
             kind,
-            path,
+            args.output,
             model=model,
             request=request,
-            resume=resume,
+            resume=args.resume,
             chained=chained,
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import copy
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -88,7 +89,7 @@ class _Resumable:
     """Boundary elements that keep what they solve in the results file, and go on from it."""
 
     def __init__(self, args: argparse.Namespace, request: dict[str, Any]) -> None:
-        self.args, self.request = args, request
+        self.args, self.request = copy.copy(args), request
         self.asked = np.empty(0)
         self.solved: ContactCurve | None = None
 
@@ -117,13 +118,7 @@ class _Resumable:
         keep = progress
         self.asked = np.append(self.asked, points)
         self.solved = output.solve_and_keep(
-            solve,
-            hm,
-            material,
-            {kind: self.asked},
-            self.args.output,
-            "bem",
-            self.request,
-            self.args.resume or self.solved is not None,
+            solve, hm, material, {kind: self.asked}, self.args, "bem", self.request
         )
+        self.args.resume = True  # what follows is added to it
         return self.solved.select(np.arange(len(self.asked) - len(points), len(self.asked)))
