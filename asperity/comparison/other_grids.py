@@ -124,7 +124,8 @@ def coarse_run(
     seconds = time.perf_counter() - start
     same = load_at_separation(curve, reference.separation)
     table = error_table(curve, same, reference, pressures, hm.rms_height)
-    return ("bem", *grid, LOOSE_TOLERANCE, seconds, *rms_errors(table))
+    judged = reference.converged & curve.converged
+    return ("bem", *grid, LOOSE_TOLERANCE, seconds, *rms_errors(table[judged]))
 
 
 def refined_run(
