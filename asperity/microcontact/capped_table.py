@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
-from surfaces.numerics.compiled import compiled
+from surfaces.numerics.cubics import lagrange
 
-from ._ray_kernels import lagrange
 from .yielding import capped
 
 if TYPE_CHECKING:
@@ -88,8 +87,7 @@ def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> 
     u = np.append(np.arange(1, levels + 1) / levels, (1.0 + FURTHER_APPROACH) ** 0.5)
     elastic = table.reach[rows, None] * np.square(u)
     force, stiffness, area = table.evaluate(rows[:, None], elastic)
-    level = area.copy()
-    depths_of(table.bearing[rows], table.approach()[rows], level)
+    level = depths_of(table.bearing[rows], table.approach()[rows], area)
     found = capped(elastic, force, area, stiffness, material, level=level)
     filled = (found.force[:, -1] - found.force[:, -2]) / (FURTHER_APPROACH * table.reach[rows])
     elastic, approach, capped_force, force, stiffness, area = (
@@ -106,9 +104,7 @@ def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> 
         share = u[:-1] * nodes - node
         for old in np.moveaxis(table.centre[rows], 2, 0):
             columns.append(approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
-    values = np.zeros((len(columns), len(rows), nodes + 1))
-    reach, slope = np.zeros(len(rows)), np.zeros((len(rows), nodes + 1))
-    resample(elastic[late], approach, np.stack(columns), reach, values, slope)
+    reach, values, slope = resample(elastic[late], approach, np.stack(columns), nodes)
     slope[:, -1] = np.minimum(slope[:, -1], filled[late])
     result.reach[rows], result.force[rows], result.stiffness[rows] = reach, values[0], slope
     result.area[rows] = np.maximum(values[1], values[0] / material.hardness)
@@ -120,70 +116,61 @@ def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> 
         result.centre[rows, 1:] = np.moveaxis(values[4:, :, 1:] / places, 0, 2)
 
 
-@compiled()
-def depths_of(bearing: Array, depth: Array, area: Array) -> None:
-    """Replace each `area` by the depth at which the unloaded summit has this area; rows ascend.
+def depths_of(bearing: Array, depth: Array, area: Array) -> Array:
+    """Depths at which the unloaded summits have the areas `area`, (n, levels).
 
     `bearing` holds the areas of the unloaded summits above the flats at `depth`; both ascend along
     a row. Between the nodes sqrt(depth) is linear in sqrt(area), as on a cone or a paraboloid.
     """
-    last = depth.shape[1] - 1
-    for i in range(area.shape[0]):
-        j = 0
-        for k in range(area.shape[1]):
-            wanted = area[i, k] * (1.0 - AREA_ROUNDING)
-            while j < last - 1 and bearing[i, j + 1] < wanted:
-                j += 1
-            low, high = math.sqrt(bearing[i, j]), math.sqrt(bearing[i, j + 1])
-            share = (math.sqrt(wanted) - low) / (high - low) if high > low else 1.0
-            start, end = math.sqrt(depth[i, j]), math.sqrt(depth[i, j + 1])
-            area[i, k] = (start + min(share, 1.0) * (end - start)) ** 2
+    wanted = area * (1.0 - AREA_ROUNDING)
+    j = np.minimum(_count_below(bearing[:, 1:], wanted), depth.shape[1] - 2)
+    rows = np.arange(len(j))[:, None]
+    (low, high), (start, end) = (
+        np.sqrt([values[rows, j], values[rows, j + 1]]) for values in (bearing, depth)
+    )
+    share = np.ones(area.shape)
+    np.divide(np.sqrt(wanted) - low, high - low, out=share, where=high > low)
+    return np.asarray((start + np.minimum(share, 1.0) * (end - start)) ** 2)
 
 
-@compiled()
 def resample(
-    elastic: Array, approach: Array, columns: Array, reach: Array, values: Array, stiffness: Array
-) -> None:
+    elastic: Array, approach: Array, columns: Array, nodes: int
+) -> tuple[Array, Array, Array]:
     """Interpolate columns of law tables, given at the approaches of each row, to the nodes.
 
-    Fills `values` (c, n, nodes + 1) from `columns` (c, n, levels), of which the first is the force,
-    `reach` (n,) with the last approaches, and `stiffness` (n, nodes + 1) with the slope of the
-    force. Force over approach is a cubic in the root of the approach, through the four nearest
-    levels. Between two levels that are more than a node apart, or whose forces do not enclose the
-    cubic, the force is linear in the approach, as are the other columns. Approaches first get an
-    increase of at least `LEAST_RISE` of the `elastic` one.
+    Returns the last approaches (n,), values (c, n, nodes + 1) from `columns` (c, n, levels), of
+    which the first is the force, and the slope of the force (n, nodes + 1). Force over approach is
+    a cubic in the root of the approach, through the four nearest levels. Between two levels that
+    are more than a node apart, or whose forces do not enclose the cubic, the force is linear in the
+    approach, as are the other columns. Approaches first get an increase of at least `LEAST_RISE` of
+    the `elastic` one.
     """
-    levels, nodes = approach.shape[1], values.shape[2] - 1
-    weight, slope, root = np.empty(4), np.empty(4), np.empty(levels)
-    for i in range(approach.shape[0]):
-        x = approach[i]
-        lower, under = 0.0, 0.0
-        for k in range(levels):
-            x[k] = max(x[k], under + LEAST_RISE * (elastic[i, k] - lower))
-            lower, under, root[k] = elastic[i, k], x[k], math.sqrt(x[k])
-        reach[i] = x[levels - 1]
-        base, j = 0, 0
-        for node in range(1, nodes + 1):
-            u = root[levels - 1] * node / nodes
-            while base + 4 < levels and root[base + 2] < u:
-                base += 1
-            while j < levels - 2 and root[j + 1] < u:
-                j += 1
-            lagrange(root, base, u, weight, slope)
-            level, rise = 0.0, 0.0
-            for k in range(base, base + 4):
-                ratio = columns[0, i, k] / x[k]
-                level += weight[k - base] * ratio
-                rise += slope[k - base] * ratio
-            force, grown = u * u * level, level + 0.5 * u * rise
-            low, high = columns[0, i, j], columns[0, i, j + 1]
-            wide = (root[j + 1] - root[j]) * nodes > root[levels - 1]
-            if (wide or not (low <= force <= high and grown > 0.0)) and root[j] <= u:
-                grown = (high - low) / (x[j + 1] - x[j])
-                force = low + grown * (u * u - x[j])
-            values[0, i, node], stiffness[i, node] = force, grown
-            share = min(max((u * u - x[j]) / (x[j + 1] - x[j]), 0.0), 1.0)
-            small = min(u * u / x[0], 1.0)  # before the first level columns grow with the approach
-            for c in range(1, columns.shape[0]):
-                low, high = columns[c, i, j], columns[c, i, j + 1]
-                values[c, i, node] = small * (low + share * (high - low))
+    levels, rows = approach.shape[1], np.arange(len(approach))[:, None]
+    least = LEAST_RISE * elastic
+    x = least + np.maximum.accumulate(np.maximum(approach - least, 0.0), axis=1)
+    root = np.sqrt(x)
+    u = root[:, -1:] * (np.arange(1, nodes + 1) / nodes)
+    before = _count_below(root, u)
+    four = np.clip(before - 2, 0, levels - 4)[..., None] + np.arange(4)
+    near = columns[0][rows[..., None], four] / x[rows[..., None], four]
+    level, rise = (
+        np.sum(weight * near, axis=-1) for weight in lagrange(root[rows[..., None], four], u)
+    )
+    force, slope = u * u * level, level + 0.5 * u * rise
+    j = np.clip(before - 1, 0, levels - 2)
+    start, low, high = x[rows, j], columns[:, rows, j], columns[:, rows, j + 1]
+    rate = (high - low) / (x[rows, j + 1] - start)
+    beyond = u * u - start
+    wide = (root[rows, j + 1] - root[rows, j]) * nodes > root[:, -1:]
+    enclosed = (low[0] <= force) & (force <= high[0]) & (slope > 0.0)
+    plain = (wide | ~enclosed) & (root[rows, j] <= u)
+    # up to the first level columns grow with the approach
+    values = np.minimum(u * u / x[:, :1], 1.0) * (low + rate * np.maximum(beyond, 0.0))
+    values[0] = np.where(plain, low[0] + rate[0] * beyond, force)
+    slope = np.where(plain, rate[0], slope)
+    return x[:, -1], np.pad(values, ((0, 0), (0, 0), (1, 0))), np.pad(slope, ((0, 0), (1, 0)))
+
+
+def _count_below(places: Array, at: Array) -> Rows:
+    """Numbers of the rising `places`, (n, k), of a row that are below `at`, (n, l)."""
+    return np.asarray(np.count_nonzero(places[:, :, None] < at[:, None], axis=1))

@@ -19,6 +19,8 @@ from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 from scipy.special import eval_jacobi, gamma, roots_jacobi
 
+from surfaces.numerics.cubics import lagrange
+
 __all__ = [
     "DEGREE",
     "LANES",
@@ -326,13 +328,4 @@ def between(rows: Array, position: float) -> Array:
     first, last, count = LOG_RATIO
     place = min(max((position - first) / (last - first) * (count - 1), 0.0), count - 1.0)
     i = min(max(int(place), 1), count - 3)
-    u = place - i
-    share = np.array(
-        [
-            -u * (u - 1) * (u - 2) / 6,
-            (u + 1) * (u - 1) * (u - 2) / 2,
-            -(u + 1) * u * (u - 2) / 2,
-            (u + 1) * u * (u - 1) / 6,
-        ]
-    )
-    return np.asarray(share @ rows[i - 1 : i + 3])
+    return np.asarray(lagrange(np.arange(-1, 3), place - i)[0] @ rows[i - 1 : i + 3])

@@ -1,0 +1,29 @@
+"""Cubics through four neighboring nodes, anywhere in a table."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["lagrange"]
+
+Array = NDArray[np.float64]
+
+_OTHERS = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
+
+
+def lagrange(nodes: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
+    """Weights, shape (..., 4), of the values at four `nodes`, (..., 4), in the value and in the
+    slope at `x`, (...), of the cubic through them.
+
+    Examples
+    --------
+    >>> value, slope = lagrange([0.0, 1.0, 2.0, 3.0], 1.5)
+    >>> (value * 16).tolist(), (slope * 24).tolist()
+    ([-1.0, 9.0, 9.0, -1.0], [1.0, -27.0, 27.0, -1.0])
+    """
+    node, at = np.asarray(nodes, dtype=float), np.asarray(x, dtype=float)
+    others = node[..., _OTHERS]
+    a, b, c = np.moveaxis(at[..., None, None] - others, -1, 0)
+    below = np.prod(node[..., None] - others, axis=-1)
+    return a * b * c / below, (a * b + b * c + c * a) / below
