@@ -6,7 +6,6 @@ rays on inside the basins by Newton steps.
 
 from __future__ import annotations
 
-import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +15,9 @@ from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi, moment_weights
 from surfaces.numerics import parallel
+from surfaces.numerics.cubics import lagrange
 
-from .law_table import LawTable, joined
+from .law_table import LawTable
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["expected_error", "ritz_forces", "tabulate_expansion", "tabulate_ritz"]
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
 
 _HARMONICS = 5
 """Harmonics with an operator of their own; the rest is treated as the next one."""
@@ -85,18 +86,24 @@ def tabulate_expansion(
     rays = (*map(np.ascontiguousarray, sampled), usable, top)
     harmonics = m + (1 - m) * np.arange(_HARMONICS + 2.0)
     inputs = (rays, fractions, t, _radial(t, weights), harmonics, m)
+    table = _no_laws(top.size, nodes, 3 + m, law)
 
-    def block(start: int, stop: int) -> LawTable:
-        rows, own = np.zeros((stop - start, radii, QUANTITIES)), slice(start, stop)
-        expand_profiles(start, stop, *inputs, rows)
-        return _assemble(rows, top[own], fractions, material, law, nodes, usable[own])
+    def part(start: int, stop: int) -> None:
+        rows = start + np.flatnonzero(usable[start:stop])
+        found = np.zeros((stop - start, radii, QUANTITIES))
+        expand_profiles(start, stop, *inputs, found)
+        if rows.size:
+            _tabulate(found[rows - start], top[rows, None] * fractions, material, table, rows)
 
-    def part(start: int, stop: int) -> list[LawTable]:
-        bounds = [*range(start, max(stop, start + 1), _BLOCK), stop]
-        return [block(a, b) for a, b in itertools.pairwise(bounds)]
+    parallel.run(part, parallel.blocks(top.size, 64, _BLOCK))
+    return table
 
-    parts = parallel.run(part, parallel.blocks(top.size, 64))
-    return joined([table for tables in parts for table in tables])
+
+def _no_laws(count: int, nodes: int, exponent: float, law: str) -> LawTable:
+    """Table of contacts without a law, to be filled."""
+    force, stiffness, area, spread = np.zeros((4, count, nodes + 1))
+    flags = np.zeros(force.shape, np.uint8)
+    return LawTable(np.zeros(count), force, stiffness, area, flags, spread, exponent, law)
 
 
 def _radial(t: Array, weights: Array) -> Array:
@@ -105,56 +112,95 @@ def _radial(t: Array, weights: Array) -> Array:
     return np.stack([weights * t**power for power in powers])
 
 
-def _assemble(
-    rows: Array,
-    top: Array,
-    fractions: Array,
-    material: HalfSpace,
-    law: str,
-    nodes: int,
-    valid: NDArray[np.bool_],
-) -> LawTable:
-    """Law table from the explicit quantities over the radii ``top * fractions``."""
-    from ._ray_kernels import resample
-
+def _tabulate(found: Array, a: Array, material: HalfSpace, table: LawTable, rows: Rows) -> None:
+    """Fill the `rows` of a table from the quantities over the radii `a` [m], (n, radii)."""
     m, modulus, p = material.m, material.modulus, 3 + material.m
-    basin = np.pi * top**2
-    rising = np.logical_and.accumulate((rows[..., 0] > 0) & (rows[..., 1] > 0), axis=1)
-    good = np.where(valid, np.count_nonzero(rising, axis=1), 0)
-    good[good < 4] = 0
-    a = np.where(good > 0, top, 1.0)[:, None] * fractions
-    approach = np.where(rising, rows[..., 0], 1.0)
-    slope = np.where(rising, rows[..., 1], 1.0) / a
-    first = 2 * modulus * a ** (1 + m) * (approach / (1 + m) - rows[..., 2])
-    second = modulus * a**m * rows[..., 4] / slope
-    area, odd = _area(rows, a, slope, second, material, law)
-    low, high = (6, 7) if law == "paper" else (8, 9)
+    rising = np.logical_and.accumulate((found[..., 0] > 0) & (found[..., 1] > 0), axis=1)
+    good = np.count_nonzero(rising, axis=1)
+    approach = np.where(rising, found[..., 0], 1.0)
+    slope = np.where(rising, found[..., 1], 1.0) / a
+    first = 2 * modulus * a ** (1 + m) * (approach / (1 + m) - found[..., 2])
+    second = modulus * a**m * found[..., 4] / slope
+    area, odd = _area(found, a, slope, second, material, table.law)
+    low, high = (6, 7) if table.law == "paper" else (8, 9)
     flags = np.zeros(a.shape, dtype=np.uint8)
-    largest = np.maximum(-rows[..., low], rows[..., high])
+    largest = np.maximum(-found[..., low], found[..., high])
     flags[largest > 0.5 * slope * a] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
-    flags[rows[..., high] >= slope * a] |= np.uint8(Flag.CONTOUR_NEGATIVE)
-    flags[rows[..., 10] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
-    force = first + np.minimum(second, _LIMIT * first) if law == "harmonic" else first
-    odd |= (law == "harmonic") & (second > _LIMIT * first)
+    flags[found[..., high] >= slope * a] |= np.uint8(Flag.CONTOUR_NEGATIVE)
+    flags[found[..., 10] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
+    force = first + np.minimum(second, _LIMIT * first) if table.law == "harmonic" else first
+    odd |= (table.law == "harmonic") & (second > _LIMIT * first)
     flags[odd] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
-    spread = expected_error(first, second, modulus * a**m * rows[..., 3] / slope, law)
-    ratios = np.stack([force / approach ** (p / 2), area / approach, spread])
-    reach, *columns = resample(np.sqrt(approach), ratios, flags, good, basin, nodes, p)
-    names = ("force", "stiffness", "area", "flags", "spread")
-    return LawTable(reach, **dict(zip(names, columns, strict=True)), exponent=p, law=law)
+    spread = expected_error(first, second, modulus * a**m * found[..., 3] / slope, table.law)
+    ratios = np.stack([force / approach ** (p / 2), area / approach])
+    k = np.flatnonzero(good >= 4)
+    basin = np.pi * (a[k, -1] / _OVERSHOOT) ** 2
+    _resample(approach[k], ratios[:, k], spread[k], flags[k], good[k], basin, table, rows[k])
+
+
+def _resample(
+    approach: Array,
+    ratios: Array,
+    spread: Array,
+    flags: NDArray[np.uint8],
+    good: Rows,
+    basin: Array,
+    table: LawTable,
+    rows: Rows,
+) -> None:
+    """Fill the `rows` of a table from values over rising approaches [m], (n, radii).
+
+    `ratios` holds force/u^p and area/u^2 with u = sqrt(approach); between the radii they are cubic
+    through the four nearest. The table of a contact ends where the area reaches `basin`, else at
+    its last `good` value.
+    """
+    p, nodes, every = table.exponent, table.nodes, np.arange(len(rows))
+    inside = np.arange(approach.shape[1]) < good[:, None]
+    area = ratios[1] * approach
+    full = inside & (area >= basin[:, None])
+    filled = full.any(axis=1)
+    last = np.where(filled, full.argmax(axis=1), good - 1)
+    (depth, before), (most, less) = (
+        (values[every, last], np.where(last > 0, values[every, last - 1], 0.0))
+        for values in (approach, area)
+    )
+    share = np.divide(basin - less, most - less, out=np.ones(len(rows)), where=filled)
+    reach = before + share * (depth - before)
+    u = np.sqrt(approach)
+    x = np.sqrt(reach)[:, None] * (np.arange(1, nodes + 1) / nodes)
+    risen = np.maximum.accumulate(np.where(inside, u, np.inf), axis=1)
+    below = np.count_nonzero(risen[:, :, None] < x[:, None], axis=1)
+    base = np.clip(below - 2, 0, good[:, None] - 4)
+    four = every[:, None, None], base[..., None] + np.arange(4)
+    level, rise = lagrange(u[four], x)
+    s, spot = (np.sum(level * values[four], axis=2) for values in ratios)
+    ds = np.sum(rise * ratios[0][four], axis=2)
+    force = np.maximum.accumulate(np.maximum(x**p * s, 0.0), axis=1)
+    stiffness = np.maximum(0.5 * x ** (p - 2) * (p * s + x * ds), 0.5 * force / x**2)
+    spot *= x**2
+    spot = np.where(filled[:, None], np.minimum(spot, basin[:, None]), spot)
+    spot = np.maximum.accumulate(np.maximum(spot, 0.0), axis=1)
+    spot[filled, -1] = basin[filled]
+    near = every[:, None], np.minimum(below, good[:, None] - 1)
+    marks = flags[near]
+    marks[filled, -1] |= np.uint8(Flag.FILLED)
+    table.reach[rows] = reach
+    names = "force", "stiffness", "area", "flags", "spread"
+    for name, values in zip(names, (force, stiffness, spot, marks, spread[near]), strict=True):
+        getattr(table, name)[rows, 1:] = values
 
 
 def _area(
-    rows: Array, a: Array, slope: Array, second: Array, material: HalfSpace, law: str
+    found: Array, a: Array, slope: Array, second: Array, material: HalfSpace, law: str
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Contact area over the radii, bounded and made to rise, and where that changed it."""
     m = material.m
     if law == "paper":
-        area = np.pi * (a * a + rows[..., 3] / slope**2)
+        area = np.pi * (a * a + found[..., 3] / slope**2)
     else:
         change = _derivative(second / a ** (3 + m), a, 3 + m)
-        shift = change / (2 * material.modulus * a**m * slope) - rows[..., 5] / (2 * a * slope**2)
-        area = np.pi * (a * a + 2 * a * shift + rows[..., 4] / slope**2)
+        shift = change / (2 * material.modulus * a**m * slope) - found[..., 5] / (2 * a * slope**2)
+        area = np.pi * (a * a + 2 * a * shift + found[..., 4] / slope**2)
     circle = np.pi * a * a
     bounded = np.clip(area, (1 - _LIMIT) * circle, circle / (1 - _LIMIT))
     rising = np.maximum.accumulate(bounded, axis=1)
@@ -197,23 +243,14 @@ def tabulate_ritz(
     levels = np.arange(1, nodes + 1) / nodes
     reach, length, height, out = _march(profiles, material.m, levels, _TABLE_ROUNDS)
     unit = material.modulus * length ** (1 + material.m)
-    force, stiffness, area = np.zeros((3, length.size, nodes + 1))
-    force[:, 1:] = np.maximum.accumulate(out[..., 0], axis=1) * (unit * height)[:, None]
-    stiffness[:, 1:] = np.maximum.accumulate(out[..., 1], axis=1) * unit[:, None]
-    area[:, 1:] = np.maximum.accumulate(out[..., 2], axis=1) * (length**2)[:, None]
-    flags = np.zeros(force.shape, dtype=np.uint8)
-    flags[:, 1:][out[..., 3] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
-    flags[:, 1:][out[..., 3] > 0.999] |= np.uint8(Flag.FILLED)
-    return LawTable(
-        reach=reach,
-        force=force,
-        stiffness=stiffness,
-        area=area,
-        flags=flags,
-        spread=np.zeros(force.shape),
-        exponent=3 + material.m,
-        law=law,
-    )
+    table = _no_laws(length.size, nodes, 3 + material.m, law)
+    table.reach[:] = reach
+    columns = (table.force, unit * height), (table.stiffness, unit), (table.area, length**2)
+    for k, (column, scale) in enumerate(columns):
+        column[:, 1:] = np.maximum.accumulate(out[..., k], axis=1) * scale[:, None]
+    table.flags[:, 1:][out[..., 3] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
+    table.flags[:, 1:][out[..., 3] > 0.999] |= np.uint8(Flag.FILLED)
+    return table
 
 
 def ritz_forces(profiles: Profiles, material: HalfSpace, levels: Array) -> Array:
