@@ -41,8 +41,9 @@ LEAST_YIELD = 1e-4
 LEAST_RISE = 0.05
 """Least increase of a capped approach over that of the elastic one: 1/2 to 1 for a paraboloid."""
 
-AREA_ROUNDING = 1e-9
-"""Relative rounding error of areas, by which a filled basin may exceed its largest bearing area."""
+ROUNDING = 1e-9
+"""Relative rounding error, by which a filled basin may exceed its largest bearing area, a node a
+level, and a cubic the forces that enclose it."""
 
 
 def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
@@ -122,7 +123,7 @@ def depths_of(bearing: Array, depth: Array, area: Array) -> Array:
     `bearing` holds the areas of the unloaded summits above the flats at `depth`; both ascend along
     a row. Between the nodes sqrt(depth) is linear in sqrt(area), as on a cone or a paraboloid.
     """
-    wanted = area * (1.0 - AREA_ROUNDING)
+    wanted = area * (1.0 - ROUNDING)
     j = np.minimum(_count_below(bearing[:, 1:], wanted), depth.shape[1] - 2)
     rows = np.arange(len(j))[:, None]
     (low, high), (start, end) = (
@@ -150,7 +151,7 @@ def resample(
     x = least + np.maximum.accumulate(np.maximum(approach - least, 0.0), axis=1)
     root = np.sqrt(x)
     u = root[:, -1:] * (np.arange(1, nodes + 1) / nodes)
-    before = _count_below(root, u)
+    before = _count_below(root, u * (1.0 - ROUNDING))
     four = np.clip(before - 2, 0, levels - 4)[..., None] + np.arange(4)
     near = columns[0][rows[..., None], four] / x[rows[..., None], four]
     level, rise = (
@@ -162,11 +163,12 @@ def resample(
     rate = (high - low) / (x[rows, j + 1] - start)
     beyond = u * u - start
     wide = (root[rows, j + 1] - root[rows, j]) * nodes > root[:, -1:]
-    enclosed = (low[0] <= force) & (force <= high[0]) & (slope > 0.0)
+    within = np.clip(force, low[0], high[0])
+    enclosed = (np.abs(force - within) <= ROUNDING * high[0]) & (slope > 0.0)
     plain = (wide | ~enclosed) & (root[rows, j] <= u)
     # up to the first level columns grow with the approach
     values = np.minimum(u * u / x[:, :1], 1.0) * (low + rate * np.maximum(beyond, 0.0))
-    values[0] = np.where(plain, low[0] + rate[0] * beyond, force)
+    values[0] = np.where(plain, low[0] + rate[0] * beyond, within)
     slope = np.where(plain, rate[0], slope)
     return x[:, -1], np.pad(values, ((0, 0), (0, 0), (1, 0))), np.pad(slope, ((0, 0), (1, 0)))
 

@@ -67,6 +67,19 @@ def test_units_do_not_matter(profiles):
     np.testing.assert_allclose(stiff.force, 2e11 * one.force, rtol=1e-7)
 
 
+@pytest.mark.parametrize("law", ["paper", "harmonic", "ritz"])
+def test_rounding_does_not_decide_the_stiffness(law):
+    """At nodes on a level, and where force and cubic agree but for their last digits."""
+    hm = rough((96, 128), cutoff=0.12)
+    fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    one, three = (
+        tabulate(fit, asperity.HalfSpace.from_modulus(scale, 0.4, hardness=0.1 * scale), law=law)
+        for scale in (1.0, 3.0)
+    )
+    largest = one.stiffness.max(axis=1, keepdims=True)
+    assert np.all(np.abs(three.stiffness / 3.0 - one.stiffness) <= 1e-9 * largest)
+
+
 def test_forces_grow_and_slopes_are_those_of_the_forces(profiles):
     table = tabulate(profiles, body(0.05), law="auto")
     elastic = tabulate(profiles, body(np.inf), law="auto")
