@@ -11,6 +11,7 @@ ellipse is taken if it is nearly as good.
 from __future__ import annotations
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
@@ -84,7 +85,15 @@ class _Functional:
         if dense < self.limit:
             a = np.append(a, np.geomspace(dense, self.limit, _RADII // 3)[1:])
         gap = self._exact(np.broadcast_to(a[1:, None], (a.size - 1, _RAYS)))
-        self.gap = CubicSpline(a, np.vstack([np.zeros(_RAYS), gap]))
+        spline = CubicSpline(a, np.vstack([np.zeros(_RAYS), gap]))
+        self._ends = a[:-1]
+        self._cubics = [spline.derivative(order).c for order in range(3)]
+
+    def gap(self, a: Array, order: int = 0) -> Array:
+        """Tabulated a^2 G~ or a derivative of it, each ray at its own radius `a`, shape (rays,)."""
+        cell = np.maximum(np.searchsorted(self._ends, a, side="right") - 1, 0)
+        cubic = self._cubics[order][:, cell, np.arange(_RAYS)]
+        return np.asarray(polyval(a - self._ends[cell], cubic[::-1], tensor=False))
 
     def _exact(self, a: Array) -> Array:
         """What the table of the gap holds, at rays `a`, shape (..., rays)."""
@@ -96,19 +105,17 @@ class _Functional:
 
     def missed(self, a: Array) -> float:
         """Relative error of the value at the rays `a`, shape (rays,), by the table of the gap."""
-        table, exact = self.gap(a)[np.arange(a.size), np.arange(a.size)], self._exact(a)
+        table, exact = self.gap(a), self._exact(a)
         work = np.sum(a**2 / (1 + self.m) - exact)
         return float(abs(np.sum(table - exact)) / max(abs(work), 1e-300))
 
     def __call__(self, a: Array) -> tuple[float, Array]:
         """Value and gradient at the rays `a`, shape (rays,)."""
         m, weight = self.m, 2 * np.pi / _RAYS
-        rows = np.arange(a.size)
-        gap, slope = self.gap(a)[rows, rows], self.gap(a, 1)[rows, rows]
-        work = weight * (a**2 / (1 + m) - gap)
+        work = weight * (a**2 / (1 + m) - self.gap(a))
         around = weight * np.sum(a ** (1 - m))
         value = 2 * np.sum(work) / around
-        rate = weight * (2 * a / (1 + m) - slope)
+        rate = weight * (2 * a / (1 + m) - self.gap(a, 1))
         return float(value), (2 * rate - value * weight * (1 - m) * a ** (-m)) / around
 
     def ellipse(self, p: Array) -> Array:
@@ -147,12 +154,12 @@ class _Functional:
     def best_rays(self, start: Array) -> tuple[float, Array, bool]:
         """Stationary value over free rays near a start, every ray on its outer branch, the rays,
         and whether they settled: on narrow contacts they change branches for ever."""
-        m, a, rows = self.m, start.copy(), np.arange(start.size)
+        m, a = self.m, start.copy()
         value = self(a)[0]
         for _ in range(_STEPS):
             tail = value * (1 - m) * a ** (-m)
-            rate = 2 / (1 + m) * a - self.gap(a, 1)[rows, rows]
-            slope = 2 / (1 + m) - self.gap(a, 2)[rows, rows]
+            rate = 2 / (1 + m) * a - self.gap(a, 1)
+            slope = 2 / (1 + m) - self.gap(a, 2)
             slope = 2 * slope + m * tail / a
             rising = slope > -0.1
             step = np.where(rising, 0.1 * a, -(2 * rate - tail) / np.where(rising, -1.0, slope))
