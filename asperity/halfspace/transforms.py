@@ -122,18 +122,19 @@ def moments(m: float, edges: Array, orders: NDArray[np.int64]) -> Array:
 
 
 @lru_cache(maxsize=8)
-def moment_weights(m: float, nodes: int, order: int) -> Array:
-    """Weights (`MOMENT_RADII`, nodes) of ``h(a) = int t**(order+3) q(a t) (1-t*t)**((m-1)/2) dt``.
+def moment_weights(m: float, nodes: int) -> Array:
+    """Weights (`MOMENT_RADII`, nodes) of ``h(a) = int t**3 q(a t) (1-t*t)**((m-1)/2) dt``.
 
     ``a`` runs over equispaced fractions of the ray from 0 to 1, ``q`` over equispaced nodes with
     local cubics between them.
     """
-    return _weights(m, nodes, order, MOMENT_RADII)[0]
+    return _weights(m, nodes, 0, MOMENT_RADII)[0]
 
 
 @lru_cache(maxsize=8)
 def edge_weights(m: float, nodes: int, order: int) -> Array:
-    """Weights (`EDGE_RADII`, nodes) of ``(order + 3 + m) h + a h'`` with h as in `moment_weights`.
+    """Weights (`EDGE_RADII`, nodes) of ``(order + 3 + m) h + a h'`` with h as in `moment_weights`,
+    of the power t**(order + 3).
 
     Times ``a**2`` this is the edge operator of harmonic `order` of one ray
     (docs/development/laws.md).

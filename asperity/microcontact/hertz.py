@@ -114,7 +114,7 @@ def _spread(profiles: Profiles, m: float, u: Array, reach: Array, axes: Array) -
     the mean of the rest of f under the flat punch.
     """
     out = np.zeros((reach.size, u.size))
-    weights = moment_weights(m, profiles.t.size, 0).T
+    weights = moment_weights(m, profiles.t.size).T
 
     def part(begin: int, end: int) -> None:
         rows = begin + np.flatnonzero(reach[begin:end] > 0)

@@ -278,7 +278,7 @@ def _march(
         profiles.edge / length[:, None],
         length**2 / height,
     )
-    weights = np.ascontiguousarray(moment_weights(m, profiles.q.shape[2], 0))
+    weights = np.ascontiguousarray(moment_weights(m, profiles.q.shape[2]))
 
     def part(begin: int, end: int) -> None:
         march_rays(begin, end, inputs, weights, levels, m, rounds, out)

@@ -12,16 +12,6 @@ import numpy as np
 
 from surfaces.numerics.compiled import inner
 
-__all__ = [
-    "COPY_CHUNK",
-    "MOST_ELEMENTS",
-    "MOST_SIDE_ELEMENTS",
-    "OUTSIDE",
-    "bear",
-    "contact_size",
-    "solve",
-]
-
 MOST_SIDE_ELEMENTS = 64
 """Largest number of elements along a side of the grid of one contact."""
 

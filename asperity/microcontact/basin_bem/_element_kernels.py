@@ -11,8 +11,6 @@ from surfaces.numerics.splines import expand
 
 from ._closing_kernels import MOST_ELEMENTS, MOST_SIDE_ELEMENTS, OUTSIDE, bear, contact_size, solve
 
-__all__ = ["ASPECTS", "HALF_WINDOW", "areas_under_load", "press_levels"]
-
 ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
 
