@@ -234,12 +234,9 @@ class _Rays:
         assert self.shapes is not None
         n = np.arange(1, self.shapes.shape[1] + 1)
         wave = (self.shapes * np.exp(1j * n * self.phi[i])).real
-        place = np.clip(share * _HISTORY - 1, 0.0, _HISTORY - 1)
-        low = np.minimum(place.astype(int), _HISTORY - 2)
-        part = place - low
+        place, moments = share * _HISTORY - 1, np.arange(_HISTORY)
         total = np.zeros_like(share)
         for column, order in zip(wave.T, n, strict=True):
             if np.any(column):
-                ratio = column[low] * (1 - part) + column[low + 1] * part
-                total += ratio * _punch_factor(rho, order)
+                total += np.interp(place, moments, column) * _punch_factor(rho, order)
         return total
