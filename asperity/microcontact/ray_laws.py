@@ -268,7 +268,8 @@ def _march(
     from ._ray_kernels import march_rays
 
     length = profiles.edge.max(axis=1, initial=0.0)
-    height = 2.0 * (profiles.q[:, :, -1] * profiles.edge**2).max(axis=1, initial=0.0)
+    top = (profiles.q[:, :, -1] * profiles.edge**2).max(axis=1, initial=0.0)
+    height = 2.0 / (1.0 + m) * top  # the approach at which a paraboloid of this height fills
     valid = profiles.valid & (length > 0) & (height > 0)
     length, height = np.where(valid, length, 1.0), np.where(valid, height, 1.0)
     out = np.zeros((length.size, levels.size, 4))

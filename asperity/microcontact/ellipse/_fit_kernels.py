@@ -206,14 +206,14 @@ def usable(coefs):
 
 
 @inner(fastmath=QUOTIENTS)
-def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales, frame, wide):
+def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, m, scales, frame, wide):
     """Length, height, ratio of the rays and number of the base ellipse of profiles.
 
     Fills, in groups, `frame` with the directions of the rays in the axes of the summit, their
     lengths, and their lengths in the ellipse of semi-axes 1/`wide`; and all `scales` but the
     semi-axes and the last. Returns the numbers. The ellipse has about the axis ratio of the
     Hertzian contact; the largest fit reaches 1.1 times the rms distance of the basin edge in units
-    of it.
+    of it. Tables end at the height: the approach 2/(1 + m) f at which a paraboloid fills.
     """
     ray = rays // 8
     for p in range(rays):
@@ -248,7 +248,7 @@ def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales
         basin += 0.5 * load(weight, p) * own * own
         smallest = least(own, smallest)
     store(scales, 0, length)
-    store(scales, 1, 2.0 * top)
+    store(scales, 1, 2.0 / (1.0 + m) * top)
     store(scales, 2, basin)
     store(scales, 3, stretch)
     store(scales, 6, smallest)
@@ -307,7 +307,7 @@ def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales, space
             spread_rows(source, who, target, block)
         found = _frame(
             phi, load(single, 0), weight, load(single, 1), load(single, 2), edge, q, nodes, skews,
-            rays, own, frame, wide,
+            rays, m, own, frame, wide,
         )  # fmt: skip
         store(numbers, 0, found)
         for lane in range(LANES):

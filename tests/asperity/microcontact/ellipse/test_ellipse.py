@@ -13,6 +13,7 @@ from asperity.microcontact.ellipse.batch import tabulate
 from asperity.microcontact.ellipse.ellipse_operator import edge_operator, monomials
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.law_table import LazyTable
+from asperity.microcontact.ray_laws import tabulate_ritz
 from surfaces import Profiles
 
 
@@ -111,6 +112,16 @@ def test_profiles_turned_and_scaled():
     np.testing.assert_allclose(scaled.reach, table.reach * 1e-3)
     np.testing.assert_allclose(scaled.force, table.force, rtol=1e-9)
     np.testing.assert_allclose(scaled.area, table.area * 1e6, rtol=1e-9)
+
+
+@pytest.mark.parametrize("m", [-0.8, -0.4, 0.0, 0.6])
+@pytest.mark.parametrize("make", [tabulate, tabulate_ritz])
+def test_a_paraboloid_fills_its_basin_in_any_grading(make, m):
+    """Under a hardness the area of a law is its bearing area, which grows up to that of the basin:
+    tables that ended at (1 + m) of it left much of the load of soft bodies out."""
+    table = make(paraboloids([1.0, 10.0]), HalfSpace.from_modulus(1.0, m))
+    assert table.area[0, -1] == pytest.approx(np.pi, rel=2e-3)
+    assert table.area[1, -1] > 0.75 * np.pi
 
 
 def test_table_is_monotone_and_fills_the_basin():
