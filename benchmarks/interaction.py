@@ -25,7 +25,7 @@ from common import least, options, rough
 
 import surfaces
 from asperity import HalfSpace, Population
-from asperity.curve import RESIDUAL
+from asperity.curve import RESIDUAL_AT_SEPARATION, RESIDUAL_UNDER_LOAD
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
@@ -187,7 +187,7 @@ def walk() -> None:
 
 def tolerance() -> None:
     """What the default tolerance of a curve does to it."""
-    default = RESIDUAL
+    default = RESIDUAL_UNDER_LOAD
     print(f"ten loads to about 10 % contact, 512^2, seeds 5 and 6, tolerance {default:g}:")
     print("largest relative differences from a fifty times smaller tolerance, percent")
     print("family            load at equal separation   area   stiffness   steps   products")
@@ -236,7 +236,7 @@ def cost() -> None:
                 for separation in np.linspace(top, low, 50):
                     wall, busy = time.perf_counter(), time.process_time()
                     state = contacts.solve(
-                        separation=float(separation), state=state, tolerance=RESIDUAL
+                        separation=float(separation), state=state, tolerance=RESIDUAL_AT_SEPARATION
                     )
                     rows.append(
                         (time.perf_counter() - wall, time.process_time() - busy, state.products)

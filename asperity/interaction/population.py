@@ -35,8 +35,7 @@ MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
 
 SEARCH_TOLERANCE = 5e-3
-"""Largest tolerance of a solve in the search for a mean pressure: rougher ones would hide on which
-side of it they lie."""
+"""Largest tolerance of a solve in the search for a mean pressure."""
 
 LOAD_TOLERANCE = 1e-3
 """Relative error of the load at which the search ends. If rounding of the heights does not allow
@@ -203,7 +202,7 @@ def _searched(
     the mean pressure, safeguarded by bisection. Arguments as in `solve_under`."""
     system = last.system
     top = system.highest
-    tolerance = min(tolerance, SEARCH_TOLERANCE)
+    tolerance = min(tolerance, SEARCH_TOLERANCE)  # no last Newton step reduces the residual here
     low, high, step = -math.inf, top, 0.1 * _relief(system)
     if state is None or not state.mean_pressure > 0:
         state = solve_at(last, _independent_separation(system, pressure), tolerance)

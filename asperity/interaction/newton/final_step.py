@@ -100,8 +100,8 @@ class Solution:
         return replace(self, slope=slope, shares=shares, linearized=None)
 
 
-def finished(state: State, found: Solution, load: float | None) -> Solution:
-    """The solution after one more Newton step from `state`, brought to the `load` [N] if any.
+def finished(state: State, found: Solution, load: float) -> Solution:
+    """The solution after one more Newton step from `state`, brought to the `load` [N].
 
     The residual after this step is not computed, which would cost another field. The load that the
     step misses is made up by a fall of the flat, with the response of the same tangent matrix.
@@ -109,18 +109,17 @@ def finished(state: State, found: Solution, load: float | None) -> Solution:
     tangent = tangent_of(state)
     rows, error = tangent.index, state.error[tangent.index]
     move = Step(state, tangent)
-    solved = conjugate_gradients(tangent, error, tolerance=LINEAR_TOLERANCE, held=load is not None)
+    solved = conjugate_gradients(tangent, error, tolerance=LINEAR_TOLERANCE, held=True)
     approach, wanted = np.zeros(len(state.approach)), state.wanted - solved.constant
     approach[rows] = move.approach(solved.solution)
     wanted[rows] = move.wanted_after(solved.constant, solved.solution, error - solved.residual)
     separation = found.separation + solved.constant
     slope, shares, products = tangent_response(tangent, state, found.shares)
-    if load is not None and slope > 0:
+    for _ in range(MAX_FALLS if slope > 0 else 0):
+        fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
         closed = approach > 0
-        for _ in range(MAX_FALLS):
-            fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
-            approach[closed] = np.maximum(approach + fall * shares, 0.5 * approach)[closed]
-            separation, wanted = separation - fall, wanted + fall
+        approach[closed] = np.maximum(approach + fall * shares, 0.5 * approach)[closed]
+        separation, wanted = separation - fall, wanted + fall
     return replace(
         found,
         separation=separation,

@@ -52,8 +52,8 @@ REFINED_RESIDUAL = 0.03
 """Residual above which a step evaluates the laws twice (`Step.refine`)."""
 
 AVERAGING_CONTACTS = 400
-"""Number of closed contacts whose errors of both signs average out. The steps of fewer contacts aim
-at a residual that is smaller in proportion."""
+"""Number of closed contacts whose errors of both signs average out. Under a load the steps of
+fewer contacts aim at a residual that is smaller in proportion."""
 
 MISSED_LOAD = 1e-3
 """Relative error of the load above which the last step counts as failed."""
@@ -122,11 +122,11 @@ def descent(
         solution = yield from _newton_steps(
             problem, separation, start, tilt, load, compliance, bound, aim
         )
-        if solution.reason:
+        if load is None or solution.reason:
             return solution
         assert solution.linearized is not None
         final = finished(solution.linearized, solution, load)
-        missed = 0.0 if load is None else abs(final.load / load - 1.0)
+        missed = abs(final.load / load - 1.0)
         if missed <= MISSED_LOAD:
             return final
         separation, start, tilt = solution.separation, solution.approach, solution.tilt
@@ -143,7 +143,7 @@ def _newton_steps(
     tolerance: float,
     aim: float,
 ) -> Generator[NDArray[np.int64], None, Solution]:
-    """`descent` without the last step (`finished`); arguments as there."""
+    """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_NEWTON_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
@@ -159,7 +159,7 @@ def _newton_steps(
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)
         closed = int(np.count_nonzero(state.approach))
-        few = min(1.0, closed / AVERAGING_CONTACTS)
+        few = 1.0 if load is None else min(1.0, closed / AVERAGING_CONTACTS)
         if error <= aim * few * tolerance and wrong <= 0.5 * tolerance:
             break
         if load is not None and not state.active.any():
