@@ -59,7 +59,7 @@ def _march(moments, weight, edge, levels, m, rounds, a, out):
     """
     rays = edge.size
     for p in range(rays):
-        first = (1 + m) * (3 + m) * moments[p, 0]
+        first = (3 + m) * moments[p, 0]  # that of a paraboloid, a^2 = (1 + m) d R
         a[p] = min(levels[0] / math.sqrt(first), edge[p]) if first > 0.0 else edge[p]
     multiplier = -1.0
     for level in range(levels.size):
