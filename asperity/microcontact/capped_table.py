@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
-from surfaces.numerics.cubics import lagrange
+from surfaces.numerics.cubics import count_below, lagrange
 
 from .yielding import capped
 
@@ -124,7 +124,7 @@ def depths_of(bearing: Array, depth: Array, area: Array) -> Array:
     a row. Between the nodes sqrt(depth) is linear in sqrt(area), as on a cone or a paraboloid.
     """
     wanted = area * (1.0 - ROUNDING)
-    j = np.minimum(_count_below(bearing[:, 1:], wanted), depth.shape[1] - 2)
+    j = np.minimum(count_below(bearing[:, 1:], wanted), depth.shape[1] - 2)
     rows = np.arange(len(j))[:, None]
     (low, high), (start, end) = (
         np.sqrt([values[rows, j], values[rows, j + 1]]) for values in (bearing, depth)
@@ -151,7 +151,7 @@ def resample(
     x = least + np.maximum.accumulate(np.maximum(approach - least, 0.0), axis=1)
     root = np.sqrt(x)
     u = root[:, -1:] * (np.arange(1, nodes + 1) / nodes)
-    before = _count_below(root, u * (1.0 - ROUNDING))
+    before = count_below(root, u * (1.0 - ROUNDING))
     four = np.clip(before - 2, 0, levels - 4)[..., None] + np.arange(4)
     near = columns[0][rows[..., None], four] / x[rows[..., None], four]
     level, rise = (
@@ -171,8 +171,3 @@ def resample(
     values[0] = np.where(plain, low[0] + rate[0] * beyond, within)
     slope = np.where(plain, rate[0], slope)
     return x[:, -1], np.pad(values, ((0, 0), (0, 0), (1, 0))), np.pad(slope, ((0, 0), (1, 0)))
-
-
-def _count_below(places: Array, at: Array) -> Rows:
-    """Numbers of the rising `places`, (n, k), of a row that are below `at`, (n, l)."""
-    return np.asarray(np.count_nonzero(places[:, :, None] < at[:, None], axis=1))

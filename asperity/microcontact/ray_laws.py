@@ -15,7 +15,7 @@ from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi, moment_weights
 from surfaces.numerics import parallel
-from surfaces.numerics.cubics import lagrange
+from surfaces.numerics.cubics import count_below, lagrange
 
 from .law_table import LawTable
 
@@ -169,7 +169,7 @@ def _resample(
     u = np.sqrt(approach)
     x = np.sqrt(reach)[:, None] * (np.arange(1, nodes + 1) / nodes)
     risen = np.maximum.accumulate(np.where(inside, u, np.inf), axis=1)
-    below = np.count_nonzero(risen[:, :, None] < x[:, None], axis=1)
+    below = count_below(risen, x)
     base = np.clip(below - 2, 0, good[:, None] - 4)
     four = every[:, None, None], base[..., None] + np.arange(4)
     level, rise = lagrange(u[four], x)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["lagrange"]
+__all__ = ["count_below", "lagrange"]
 
 Array = NDArray[np.float64]
+
+Counts = NDArray[np.int64]
 
 _OTHERS = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
 
@@ -27,3 +29,14 @@ def lagrange(nodes: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
     a, b, c = np.moveaxis(at[..., None, None] - others, -1, 0)
     below = np.prod(node[..., None] - others, axis=-1)
     return a * b * c / below, (a * b + b * c + c * a) / below
+
+
+def count_below(places: Array, at: Array) -> Counts:
+    """Number of the `places` of a row, (n, k), that are below each of `at`, (n, l), shape (n, l).
+
+    Examples
+    --------
+    >>> count_below(np.array([[0.0, 1.0, 2.0]]), np.array([[0.5, 2.0]])).tolist()
+    [[1, 2]]
+    """
+    return np.asarray(np.count_nonzero(places[:, :, None] < at[:, None], axis=1))
