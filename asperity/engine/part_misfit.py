@@ -100,9 +100,9 @@ def misfit_on_parts(
     -------
     misfit, bounds, floor
         Logarithms of load, area, number of spots and stiffness of the model over boundary elements,
-        shape (4, n). Bounds of load and area, (2, n): standard deviation over the parts plus the
-        floor, larger where few parts carry the load, NaN where no part was solved. The floor,
-        (2, n).
+        shape (4, n). Bounds of load and area, (2, n): twice the standard error of the mean over the
+        parts, plus the floor, larger where few parts carry the load; NaN where no part was solved.
+        The floor, (2, n).
 
     Notes
     -----
@@ -117,17 +117,18 @@ def misfit_on_parts(
     if grid is not None:
         whole = judged(grid, plan.whole, pressure)
         fine = rate * (model.separation[at] - whole[-1])
-        floor[0] = np.hypot(floor[0], FITTED.fine * np.nan_to_num(fine))
+        floor[0] = np.hypot(floor[0], FITTED.part * np.nan_to_num(fine))
     over_mean = len(shares) * shares
     # a part of large share has a mean pressure above that of the map, and long waves solved alone
     # have more contact than the map under the same load
     local, heaviest = over_mean * pressure, FITTED.heaviest if grid is None else 1.0
     usable = (over_mean > FITTED.least_load) & (local <= heaviest * pressure[-1])
+    usable &= np.isfinite(whole[0])
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
     taken = _first(usable, best, side)
     beside = None
     if otherwise is not None:
-        told = floor * _fewness(taken * shares) <= FITTED.enough * allowed
+        told = floor * _on_floor(_fewer(taken * shares)) <= FITTED.enough * allowed
         taken &= told.all(axis=0)
         untold = np.logical_not(taken.any(axis=0))
         if 2 * np.count_nonzero(untold) > len(at):
@@ -142,6 +143,7 @@ def misfit_on_parts(
         loads, told = here[place], {"long_alone": grid is not None, "tell": place == lightest}
         part = _part(hm, place, side)
         found[place, loads] = _on_part(judged, part, plan, local[place, loads], **told).T
+        found[place, loads, 0] += whole[0, loads]
 
     some = order[here[order].any(axis=1)]
     while len(some):
@@ -151,10 +153,7 @@ def misfit_on_parts(
         taken[some] &= ~here[some]  # a part is solved once, even if it gave nothing
         here = taken & ~enough
         some, beside = order[here[order].any(axis=1)][:PARTS_TOGETHER], None
-    misfit, bounds, _ = _pooled(found, shares, rate, floor)
-    misfit[0] += rate * whole[0]
-    bounds[:, np.isnan(whole[0])] = np.nan
-    return misfit, bounds, floor
+    return *_pooled(found, shares, rate, floor)[:2], floor
 
 
 def _on_part(
@@ -205,6 +204,12 @@ def _pooled(
     load and area, (2, n); and the number of parts that were solved, (n,).
 
     `rate` turns separations into logarithms of the load.
+
+    Notes
+    -----
+    The mean of a sample of a finite population, with weights w that sum to W over the sample:
+    standard error s (sum w^2 (1 - W))^(1/2) / W, unbiased variance s^2 = (sum w d^2 / W) /
+    (1 - sum w^2 / W^2) (Cochran 1977, Sampling techniques, ch. 2).
     """
     known = np.isfinite(found).all(axis=-1)
     weights = np.where(known, shares, 0.0)
@@ -213,7 +218,10 @@ def _pooled(
     scatter = np.sqrt((share * (found - mean.T) ** 2).sum(axis=0)).T
     for each in (mean, scatter):
         each[0] *= rate
-    return mean, scatter[:2] + floor * _fewness(weights), known.sum(axis=0)
+    fewer, left = _fewer(weights), np.maximum(1.0 - weights.sum(axis=0), 0.0)
+    spread = scatter[:2] / np.sqrt(np.maximum(1.0 - fewer / FITTED.alike, np.finfo(float).tiny))
+    floor = np.hypot(floor, FITTED.part * mean[:2]) * _on_floor(fewer)
+    return mean, spread * np.sqrt(fewer * left) + floor, known.sum(axis=0)
 
 
 def _sum(weights: Array) -> Array:
@@ -222,14 +230,18 @@ def _sum(weights: Array) -> Array:
     return np.where(total > 0.0, total, np.nan)
 
 
-def _fewness(weights: Array) -> Array:
-    """Factor on the floor of the bounds by the number of parts, from their shares of the load,
-    shape (parts, n): 1 for `FITTED.alike` parts of equal share, larger for fewer or unequal ones;
-    NaN where the parts carry too little of the load (`FITTED.cover`)."""
+def _fewer(weights: Array) -> Array:
+    """How many times fewer than `FITTED.alike` parts of equal share carry the load, from their
+    shares, shape (parts, n); NaN where the parts carry too little of it (`FITTED.cover`)."""
     total = _sum(weights)
-    few = FITTED.alike * (weights**2).sum(axis=0) / total**2
-    few[total < FITTED.cover / math.sqrt(len(weights))] = np.nan
-    return np.asarray(np.sqrt(0.5 + 0.5 * np.maximum(few, few**FITTED.few)))
+    fewer = FITTED.alike * (weights**2).sum(axis=0) / total**2
+    fewer[total < FITTED.cover / math.sqrt(len(weights))] = np.nan
+    return np.asarray(fewer)
+
+
+def _on_floor(fewer: Array) -> Array:
+    """Factor on the floor of the bounds where `_fewer` parts carry the load."""
+    return np.asarray(np.sqrt(0.5 + 0.5 * np.maximum(fewer, fewer**FITTED.few)))
 
 
 def corner(hm: HeightMap, side: int) -> tuple[int, int]:

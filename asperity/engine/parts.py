@@ -108,7 +108,7 @@ def sampled(
 
     Notes
     -----
-    The bounds are the scatter of the misfit over the parts and a floor, larger where few of them
+    The bounds are twice the standard error of the misfit and a floor, larger where few parts
     carry the load (docs/development/verification.md).
     """
     model = run.curve

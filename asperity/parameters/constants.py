@@ -317,13 +317,16 @@ class Parts:
     cover
         Least load on the solved parts, over the load that one row of parts would carry if all
         carried alike [-]: with less the parts do not bound the misfit.
-    long_waves, fine
+    long_waves
         Share [-] of the mean square height in waves longer than half a part above which these waves
-        are solved on the whole map; the bound on the change of the load by the other waves is then
-        larger by the part `fine` of it [-].
+        are solved on the whole map.
+    part
+        Part of the correction, and of the change of the load by the waves that parts alone tell of,
+        that may be wrong [-] (root of the squares with the floor).
     floor, alike, few
-        Bounds of load and area [-] that are added to the scatter over `alike` parts of equal load.
-        For r times fewer parts their squares are (1 + r^`few`)/2 times as large [-].
+        Bounds of load and area [-] that are added to the standard error of the mean over the parts,
+        `alike` of equal load. For r times fewer parts their squares are (1 + r^`few`)/2 times as
+        large [-].
     spare, enough
         Least accuracy over the floor for which parts are tried; bounds over the accuracy at which
         no more parts are solved [-].
@@ -341,7 +344,7 @@ class Parts:
     heaviest: float = 4.0
     cover: float = 0.4
     long_waves: float = 1.0 / 3.0
-    fine: float = 0.1
+    part: float = 0.1
     floor: tuple[float, float] = (0.02, 0.04)
     alike: int = 4
     few: float = 2.0
