@@ -114,8 +114,9 @@ class Outcome:
 class NestedGrid:
     """One grid of the nested solver.
 
-    It holds the heights [m], shape (ny, nx), the exact operator, whose `pressure` is the state of
-    the solve, and the approximate operators on a list. `cap` is the largest pressure p~ [m].
+    It holds the heights [m], shape (ny, nx), with a mean of nearly zero, the exact operator, whose
+    `pressure` is the state of the solve, and the approximate operators on a list. `cap` is the
+    largest pressure p~ [m].
 
     Attributes
     ----------
@@ -130,7 +131,8 @@ class NestedGrid:
         self.exact = exact
         self.cap = cap
         self.mean_height, self.highest = float(heights.mean()), float(heights.max())
-        self.rms_height = float(heights.std())
+        square = float(np.einsum("ij,ij", heights, heights)) / heights.size
+        self.rms_height = math.sqrt(max(0.0, square - self.mean_height**2))
         self._careful = False
 
     @property

@@ -146,8 +146,7 @@ class ContactProblem:
             load = min(_FIRST_LOAD * length, 0.1 * self.finest.cap)
         shapes = nested_shapes(self.hm.shape)[:-1]
         fine, whole = self.finest.exact, self.finest.heights
-        row, column = np.unravel_index(whole.argmax(), whole.shape)
-        top = (int(row), int(column)) if self.boundary == "periodic" else (0, 0)
+        top = self.hm.roughness.summit if self.boundary == "periodic" else (0, 0)
         scratch = Scratch(fine.output)
         outcome: Outcome | None = None
         coarse: NestedGrid | None = None

@@ -7,6 +7,7 @@ import math
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,14 +94,15 @@ class LightestLoad:
 def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
     """Share of the contact area in narrow contacts (`PixelUncertainty`); their pixels meet at
     edges."""
-    labels, _ = label_patches(contact, periodic=periodic, corners=False)
-    pixels = np.bincount(labels[contact])
-    perimeter = np.zeros_like(pixels)
+    labels, count = label_patches(contact, periodic=periodic, corners=False)
+    row, column = np.nonzero(contact)
+    own = labels[row, column]
+    pixels, perimeter = np.bincount(own, minlength=count + 1), np.zeros(count + 1, np.int64)
     # the border of a free map is no edge of a contact that it cuts
-    around = np.pad(contact, 1, mode="wrap" if periodic else "edge")
-    beside = around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:]
-    for other in beside:
-        perimeter += np.bincount(labels[contact & ~other], minlength=len(pixels))
+    over_border: Literal["wrap", "clip"] = "wrap" if periodic else "clip"
+    for down, across in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+        beside = np.ravel_multi_index((row + down, column + across), contact.shape, over_border)
+        perimeter += np.bincount(own[~contact.take(beside)], minlength=count + 1)
     return float(pixels[4 * pixels < FITTED.narrow * perimeter].sum() / max(pixels.sum(), 1))
 
 
