@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from functools import partial
 
+import numpy as np
+
 from asperity.bem.single import indent_bem
+from asperity.curve import contact_curve
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.punch import flat_punch
+from surfaces.heightmap import HeightMap
 from surfaces.polar import PolynomialProfile, PowerLawProfile, PowerSumProfile
 
 from .case import Case
@@ -46,6 +51,7 @@ def contact_cases() -> Iterator[Case]:
     yield from _units()
     yield from _materials()
     yield from _depths()
+    yield from _of_a_map()
     for m in (-0.99, -0.5, 0.0, 0.5, 0.99):
         yield Case("grading", f"m = {m}", "flat punch", "closed form", partial(_punch, m))
 
@@ -104,6 +110,18 @@ def _depths() -> Iterator[Case]:
             yield _round("loads", f"approach of {depth:g} radii", engine, ball, exact, body, depth)
 
 
+def _of_a_map() -> Iterator[Case]:
+    """Laws of all contacts of a map are tables, which are long: light contacts are their begin."""
+    for m in (-0.99, -0.9, -0.5, 0.0, 0.5, 0.99):
+        for depth in (1e-8, 1e-5, 1e-2):
+            for law in LAWS:
+                name, judge = (
+                    f"m = {m}, approach of {depth:g} radii",
+                    partial(_by_table, m, depth, law),
+                )
+                yield Case("ball on a map", name, f"law {law}", "closed form", judge)
+
+
 def _round(
     theme: str,
     name: str,
@@ -132,6 +150,28 @@ def _by_law(
     taken(int(one.flags))
     stated = float(one.error_estimate)
     return close((one.force, one.contact_area), exact(), (LAW_FORCE + stated, LAW_AREA + stated))
+
+
+@functools.cache
+def _ball() -> HeightMap:
+    """A ball of unit radius, on 64 x 64 pixels of a hundredth of it."""
+    place = (np.arange(64) - 32) * 0.01
+    return HeightMap(-0.5 * np.add.outer(place**2, place**2), (0.01, 0.01), periodic=False)
+
+
+def _by_table(m: float, depth: float, law: str) -> float:
+    hm = _ball()
+    separation = -float(hm.heights.mean()) - depth
+    curve = contact_curve(
+        hm,
+        HalfSpace.from_modulus(1.0, m),
+        separations=separation,
+        law=law,
+        interaction=False,
+        scales="all",
+    )
+    found = float(curve.load[0]), float(curve.contact_area[0])
+    return close(found, power_law_contact(2.0, 0.5, depth, 1.0, m), (LAW_FORCE, LAW_AREA))
 
 
 def _by_elements(
