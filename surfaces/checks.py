@@ -14,6 +14,7 @@ from .numerics.stored_array import Source, windows
 
 __all__ = [
     "constant",
+    "copied",
     "fine_waves_random",
     "fineness",
     "lay",
@@ -46,6 +47,10 @@ STRAIGHT_TO = 1e-6
 
 SAMPLED_LINES = 64
 """Number of lines along each axis whose differences are taken."""
+
+COPY = 0.999
+"""Least correlation of a map of copies with itself, moved or mirrored: 0.92 at most on 120 random
+maps, some of them of waves of half their length alone."""
 
 LENGTH_OVER_DISTANCE = 6
 """Least length of a line over the distance of differences: few longer waves fit a line."""
@@ -251,11 +256,41 @@ def random_map(hm: HeightMap, allowed: float) -> bool:
     )
 
 
+def copied(hm: HeightMap) -> bool:
+    """Whether a map consists of copies of one part, beside each other or mirrored: parts of it are
+    no independent samples then.
+
+    No point may be missing.
+
+    Notes
+    -----
+    Of sampled lines along each axis; the correlations are sums over x of h(x) h(x + s), with shifts
+    of a quarter of the lines to three quarters, and of h(x) h(s - x).
+    """
+    for axis in (0, 1):
+        waves = np.fft.rfft(_sampled_lines(hm.source, axis), axis=1)
+        waves[:, 0] = 0.0
+        moved, mirrored = (
+            np.fft.irfft(power.sum(axis=0), hm.shape[axis])
+            for power in (waves * waves.conj(), waves * waves)
+        )
+        quarter = -(-moved.size // 4)
+        largest = max(moved[quarter : moved.size - quarter + 1].max(initial=0.0), mirrored.max())
+        if largest > COPY * moved[0] > 0.0:
+            return True
+    return False
+
+
+def _sampled_lines(heights: Source, axis: int) -> Array:
+    """Some lines along an axis, shape (lines, points)."""
+    stride = max(1, heights.shape[1 - axis] // SAMPLED_LINES)
+    return heights[::stride] if axis else np.ascontiguousarray(heights[:, ::stride].T)
+
+
 def _kurtosis(heights: Source, axis: int, periodic: bool) -> Iterator[tuple[float, float]]:
     """Kurtosis of the second differences of some lines along an axis, over ever longer distances,
     and the number of independent ones; of distances over which anything changes."""
-    stride = max(1, heights.shape[1 - axis] // SAMPLED_LINES)
-    lines = heights[::stride] if axis else np.ascontiguousarray(heights[:, ::stride].T)
+    lines = _sampled_lines(heights, axis)
     count, distance = lines.shape[1], 1
     while distance <= count // LENGTH_OVER_DISTANCE:
         bend = _bend(lines, distance, periodic)

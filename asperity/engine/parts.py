@@ -24,7 +24,7 @@ from asperity.trust.verified import (
     pixel_scatter,
     solved_points,
 )
-from surfaces.checks import random_map
+from surfaces.checks import copied, random_map
 
 from .part_misfit import Judged, corner, long_waves, misfit_on_parts
 
@@ -63,8 +63,8 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     - on a graded body: parts misjudge the mean displacement of the whole;
     - if the waves of a sub-contact law hold much of the height: light contacts are then extremes of
       the whole map;
-    - if the accuracy asked for is near the floor of the bounds, the map is small, or its waves are
-      not random;
+    - if the accuracy asked for is near the floor of the bounds, the map is small, its waves are not
+      random, or it consists of copies, which are no sample;
     - if long waves have to be solved on the whole map, and that costs more than the parts.
     """
     law = plan.sub_contact_law
@@ -73,7 +73,7 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     if law is not None and law.rms[0] < FITTED.coarse * law.rms[1]:
         return False
     enough = min(accuracy.load / FITTED.floor[0], accuracy.area / FITTED.floor[1]) >= FITTED.spare
-    if not (enough and min(hm.shape) >= FITTED.least_points and repeats_itself(hm)):
+    if not (enough and min(hm.shape) >= FITTED.least_points and repeats_itself(hm)) or copied(hm):
         return False
     side = parts_along(hm, plan.solved(hm))
     waves = long_waves(hm, plan, side)
