@@ -16,7 +16,23 @@ from surfaces.numerics.parallel import by_rows
 
 from ._grid_kernels import BLOCK, contact_sums
 
-__all__ = ["Certificate", "Reading", "certify"]
+__all__ = ["Certificate", "Prescribed", "Reading", "certify"]
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """What a solution is asked for: a level where one is given, else a mean pressure.
+
+    Attributes
+    ----------
+    mean
+        Mean of p~ [m].
+    level
+        Level of the contact, u - h in it [m]; what was found is `Reading.level`.
+    """
+
+    mean: float = 0.0
+    level: float | None = None
 
 
 @dataclass(frozen=True)
@@ -95,15 +111,13 @@ def certify(
     rms_height: float,
     *,
     cap: float,
-    mean_pressure: float | None = None,
-    offset: float | None = None,
-    approach: float = math.inf,
+    goal: Prescribed,
+    highest_point: float = math.inf,
 ) -> Reading:
     """Certificate of a pressure p~ from 0 to a cap [m] and its displacement by the exact operator
     [m], both at least as large as the map, heights [m] of shape (ny, nx).
 
-    Prescribed is the mean of the pressure [m], or an offset, the value of u - h in the contact [m]:
-    then `approach` is how far the highest point reaches beyond it without pressure [m].
+    With a prescribed level the highest point [m] bounds the length of scale.
 
     Notes
     -----
@@ -114,7 +128,8 @@ def certify(
     The length of scale is the rms height; for a map flat to within rounding, what float64 resolves
     of the gap: a millionth of the largest displacement or of the mean pressure, a length too (a
     flat map in a periodic cell is not displaced), and 1e-8 of the level of the contact. With a
-    prescribed level it is the approach if that is less: errors of as much let nothing touch.
+    prescribed level it is the approach of the highest point if that is less: errors of as much let
+    nothing touch.
     """
     ny, nx = heights.shape
     block_low = np.empty((ny, -(-nx // BLOCK)))
@@ -133,20 +148,21 @@ def certify(
         work += cap * float(np.maximum(gap, lowest).sum())
         if count == 0:  # any level between the two bounds
             level = 0.5 * (lowest + highest)
-            if offset is not None:
-                level = max(min(offset, most), highest)
+            if goal.level is not None:
+                level = max(min(goal.level, most), highest)
     resolved = max(1e-6 * largest, 1e-6 * total / heights.size, 1e-8 * abs(level))
+    approach = math.inf if goal.level is None else goal.level + highest_point
     scale = max(min(max(rms_height, resolved), approach), float(np.finfo(float).tiny))
     if count + held == 0:
-        missing = 0.0 if not mean_pressure else 1.0
-        penetration = 0.0 if offset is None else max(0.0, offset - lowest) / scale
-        level = lowest if offset is None else offset
+        missing = 1.0 if goal.level is None and goal.mean else 0.0
+        level = lowest if goal.level is None else goal.level
+        penetration = max(0.0, level - lowest) / scale
         certificate = Certificate(missing, 0.0, penetration)
         return Reading(certificate, 0, 0, level, scale, 0.0, 0.0, 0.0, block_low)
-    if offset is not None:
-        load = abs(level - offset) / scale
-    elif mean_pressure:
-        load = abs(total / heights.size / mean_pressure - 1.0)
+    if goal.level is not None:
+        load = abs(level - goal.level) / scale
+    elif goal.mean:
+        load = abs(total / heights.size / goal.mean - 1.0)
     else:
         load = float("inf")
     certificate = Certificate(

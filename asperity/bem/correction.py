@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _grid_kernels
-from .certificate import Reading, certify
+from .certificate import Prescribed, Reading, certify
 from .contact_list import ContactList
 from .full_grid import FullGridOperator
 from .operator import HalfSpaceOperator
@@ -142,18 +142,15 @@ class NestedGrid:
 
     def solve(
         self,
-        load: float,
-        offset: float | None,
+        goal: Prescribed,
         tolerance: float,
         origin: PressureOrigin = PressureOrigin.GIVEN,
     ) -> Outcome:
         """Correct the pressure until each entry of its certificate is within the tolerance.
 
-        Either `offset`, the level u - h of the contact [m], is prescribed, or else `load`, the mean
-        of p~ [m]. A predicted pressure that is too far off is left unchanged, and
-        PoorPredictionError is raised.
+        A predicted pressure that is too far off is left unchanged, and PoorPredictionError is
+        raised.
         """
-        mean = load if offset is None else None
         iterations = 0
         best, idle = math.inf, 0
         self._careful = False
@@ -167,9 +164,8 @@ class NestedGrid:
                 self.heights,
                 self.rms_height,
                 cap=self.cap,
-                mean_pressure=mean,
-                offset=offset,
-                approach=math.inf if offset is None else offset + self.highest,
+                goal=goal,
+                highest_point=self.highest,
             )
             worst = reading.certificate.worst
             unsure = here in (PressureOrigin.PREDICTED, PressureOrigin.PROLONGED)
@@ -180,34 +176,28 @@ class NestedGrid:
             best = min(best, worst)
             if idle >= _MAX_IDLE:
                 break
-            error = worst if mean is None else replace(reading.certificate, load=0.0).worst
-            listed = self._listed(mean, offset, reading, error, outer == 0)
+            error = worst
+            if goal.level is None:  # the list bears the load exactly
+                error = replace(reading.certificate, load=0.0).worst
+            listed = self._listed(goal, reading, error, outer == 0)
             if (
                 here is PressureOrigin.PREDICTED
                 and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size
             ):
                 raise PoorPredictionError
-            iterations += self._correct(listed, mean, offset, reading.scale, error, tolerance)
+            iterations += self._correct(listed, goal, reading.scale, error, tolerance)
         reason = (
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
         )
         return Outcome(reading, iterations, tolerance, False, reason)
 
-    def _listed(
-        self,
-        mean: float | None,
-        offset: float | None,
-        reading: Reading,
-        error: float,
-        first: bool,
-    ) -> Selection:
+    def _listed(self, goal: Prescribed, reading: Reading, error: float, first: bool) -> Selection:
         """The candidates."""
         width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _LATER_BAND * error)
-        level = reading.level if offset is None else max(reading.level, offset)
+        level = reading.level if goal.level is None else max(reading.level, goal.level)
         threshold = level + width * reading.scale
-        total = None if mean is None else mean * self.heights.size
-        least = math.ceil(SPARE_LOAD * (total or 0.0) / self.cap)
+        least = math.ceil(SPARE_LOAD * goal.mean * self.heights.size / self.cap)
         listed = self.select(reading, threshold)
         if len(listed[0]) < min(least, self.heights.size):
             displacement = self.exact.displacement[:, : self.heights.shape[1]]
@@ -220,8 +210,7 @@ class NestedGrid:
     def _correct(
         self,
         listed: Selection,
-        mean: float | None,
-        offset: float | None,
+        goal: Prescribed,
         scale: float,
         error: float,
         tolerance: float,
@@ -229,15 +218,15 @@ class NestedGrid:
         """Solve once on the list of candidates; returns the number of iterations."""
         points, values, gap = listed
         operator = self.operator(points)
-        if offset is not None:
-            gap -= offset
+        if goal.level is not None:
+            gap -= goal.level
         spent = solve_on_list(
             operator,
             values,
             gap,
             scale=scale,
             tolerance=_next_error(error, _LIST_SHARE * tolerance, operator.aim),
-            total=None if mean is None else mean * self.heights.size,
+            total=goal.mean * self.heights.size if goal.level is None else None,
             cap=self.cap,
         )
         points.fill(self.exact.pressure, values)

@@ -18,6 +18,7 @@ from surfaces.numerics.parallel import apart, by_rows
 
 from ._grid_kernels import extrapolate
 from .bounds import AREA_OVER_LOAD_ERROR, area_error, load_error
+from .certificate import Prescribed
 from .correction import Outcome, PoorPredictionError, PressureOrigin
 from .problem import ContactProblem
 
@@ -148,33 +149,33 @@ class LoadPath:
     def solve(self, *, pressure: float | None = None, separation: float | None = None) -> Outcome:
         """Solve at the next mean pressure [Pa] or separation [m]."""
         problem = self.problem
-        load, offset = problem.prescribed(pressure, separation)
-        if not problem.touches(load, offset):
+        goal = problem.prescribed(pressure, separation)
+        if not problem.touches(goal):
             self._old, self._means = None, (0.0, 0.0)
-            problem.start(load, offset)
-            return problem.finest.solve(load, offset, problem.tolerance)
+            problem.start(goal)
+            return problem.finest.solve(goal, problem.tolerance)
         last = self._means[1]
-        mean = load if offset is None else self._forecast(offset)
+        mean = goal.mean if goal.level is None else self._forecast(goal.level)
         outcome = None
         near = 0.0 < mean <= _LARGEST_RATIO * last
         if near and self._two_known():
             self._predict(mean)
             with contextlib.suppress(PoorPredictionError):
-                outcome = problem.solve(load, offset, self._tolerance, PressureOrigin.PREDICTED)
+                outcome = problem.solve(goal, self._tolerance, PressureOrigin.PREDICTED)
         else:
             self._old = self._copied() if near else None
         if outcome is None:
-            coarse = problem.start(load, offset)
+            coarse = problem.start(goal)
             if coarse is not None and coarse.converged:
                 load_left = load_error(problem, coarse)
                 self._needed_tolerance(coarse, load_left, AREA_OVER_LOAD_ERROR * load_left, 0.0)
-            outcome = problem.solve(load, offset, self._tolerance, PressureOrigin.PROLONGED)
+            outcome = problem.solve(goal, self._tolerance, PressureOrigin.PROLONGED)
             outcome.iterations += coarse.iterations if coarse is not None else 0
-        outcome = self._sharpened(outcome, load, offset)
+        outcome = self._sharpened(outcome, goal)
         self._remember(outcome)
         return outcome
 
-    def _sharpened(self, outcome: Outcome, load: float, offset: float | None) -> Outcome:
+    def _sharpened(self, outcome: Outcome, goal: Prescribed) -> Outcome:
         """Solve to smaller tolerances until load and area are within the accuracy: usually once,
         more often where many points open or close together."""
         for _ in range(_MOST_TIMES if self._accuracy < NO_LIMIT else 0):
@@ -187,7 +188,7 @@ class LoadPath:
             if met or tolerance >= outcome.tolerance:
                 break
             spent = outcome.iterations
-            outcome = self.problem.solve(load, offset, tolerance, PressureOrigin.SOLVED)
+            outcome = self.problem.solve(goal, tolerance, PressureOrigin.SOLVED)
             outcome.iterations += spent
         return outcome
 
@@ -211,12 +212,12 @@ class LoadPath:
         exact = self.problem.finest.exact
         return exact.pressure.astype(np.float32), exact.displacement.astype(np.float32)
 
-    def _forecast(self, offset: float) -> float:
+    def _forecast(self, level: float) -> float:
         """Load at a level, extrapolated exponentially with the stiffness; zero if not known."""
         last = self._means[1]
         if last <= 0.0 or self._stiffness == 0.0:
             return 0.0
-        exponent = self._stiffness * (offset - self._level) / last
+        exponent = self._stiffness * (level - self._level) / last
         return last * math.exp(exponent) if exponent <= math.log(_LARGEST_RATIO) else 0.0
 
     def _predict(self, mean: float) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
+from .certificate import Prescribed
 from .correction import NestedGrid, Outcome, PressureOrigin
 from .grids import coarse_maps, nested_shapes, prolong
 from .memory import require_memory
@@ -88,8 +90,8 @@ class ContactProblem:
 
     def prescribed(
         self, pressure: float | None = None, separation: float | None = None
-    ) -> tuple[float, float | None]:
-        """Mean of p~, and the level of u - h in the contact if that is prescribed, in units."""
+    ) -> Prescribed:
+        """What is asked for, in units inside."""
         if (pressure is None) == (separation is None):
             raise InputError("give exactly one of pressure and separation")
         name = "separation" if pressure is None else "pressure"
@@ -108,7 +110,7 @@ class ContactProblem:
                     f"{self.material.hardness:.6g} Pa that bounds it everywhere; give at most the "
                     "hardness"
                 )
-            return value * self.compliance, None
+            return Prescribed(mean=value * self.compliance)
         if not math.isfinite(value):
             raise InputError(f"separation is {separation!r} m; give a finite distance")
         if self.boundary == "periodic" and value <= 0.0 and math.isinf(self.finest.cap):
@@ -116,34 +118,34 @@ class ContactProblem:
                 f"separation is {value:.4g} m; in a periodic cell it is the mean gap, which "
                 "is positive below full contact; prescribe a pressure instead"
             )
-        return 0.0, -value / self.unit - self.finest.mean_height
+        return Prescribed(level=-value / self.unit - self.finest.mean_height)
 
-    def touches(self, load: float, offset: float | None) -> bool:
+    def touches(self, goal: Prescribed) -> bool:
         """Whether there is any contact at the prescribed load or level."""
-        return load > 0.0 if offset is None else -offset < self.finest.highest
+        return goal.mean > 0.0 if goal.level is None else -goal.level < self.finest.highest
 
-    def start(
-        self, load: float, offset: float | None, given: NDArray[np.float64] | None = None
-    ) -> Outcome | None:
+    def start(self, goal: Prescribed, given: NDArray[np.float64] | None = None) -> Outcome | None:
         """First pressure of the finest grid, from a given pressure or from the coarser grids.
 
         Returns how it went on the last of these, with the iterations spent on all of them.
         """
         pressure = self.finest.pressure
-        if not self.touches(load, offset):
+        if not self.touches(goal):
             pressure[:] = 0.0
             return None
         if given is None:
-            return self._nested(load, offset)
+            return self._nested(goal)
         np.clip(given, 0.0, self.material.hardness, out=pressure)
-        pressure *= self.compliance if offset is not None else load / float(pressure.mean())
+        by_level = goal.level is not None
+        pressure *= self.compliance if by_level else goal.mean / float(pressure.mean())
         return None
 
-    def _nested(self, load: float, offset: float | None) -> Outcome | None:
+    def _nested(self, goal: Prescribed) -> Outcome | None:
         """Start from the coarser grids."""
-        if offset is not None:
-            length = max(self.finest.rms_height, _FIRST_LOAD * (offset + self.finest.highest))
-            load = min(_FIRST_LOAD * length, 0.1 * self.finest.cap)
+        mean = goal.mean
+        if goal.level is not None:
+            length = max(self.finest.rms_height, _FIRST_LOAD * (goal.level + self.finest.highest))
+            mean = min(_FIRST_LOAD * length, 0.1 * self.finest.cap)
         shapes = nested_shapes(self.hm.shape)[:-1]
         fine, whole = self.finest.exact, self.finest.heights
         top = self.hm.roughness.summit if self.boundary == "periodic" else (0, 0)
@@ -159,17 +161,17 @@ class ContactProblem:
             )
             ratio = exact.compliance / fine.compliance
             grid = NestedGrid(heights, exact, ratio * self.finest.cap)
-            if offset is not None and -offset >= grid.highest:
+            if goal.level is not None and -goal.level >= grid.highest:
                 continue
-            self._start(grid, coarse, ratio * load, offset)
+            self._start(grid, coarse, ratio * mean, goal)
             tolerance = max(_COARSE_TOLERANCE, self.tolerance)
             spent = outcome.iterations if outcome else 0
-            outcome = grid.solve(ratio * load, offset, tolerance)
+            outcome = grid.solve(replace(goal, mean=ratio * goal.mean), tolerance)
             outcome.iterations += spent
-            if offset is not None:
-                load = outcome.reading.total / heights.size / ratio
+            if goal.level is not None:
+                mean = outcome.reading.total / heights.size / ratio
             coarse = grid
-        self._start(self.finest, coarse, load, offset, top)
+        self._start(self.finest, coarse, mean, goal, top)
         return outcome
 
     def _start(
@@ -177,7 +179,7 @@ class ContactProblem:
         grid: NestedGrid,
         coarse: NestedGrid | None,
         mean: float,
-        offset: float | None,
+        goal: Prescribed,
         origin: tuple[int, int] = (0, 0),
     ) -> None:
         """First pressure of a grid, of this mean: from the coarser grid if there is one, which
@@ -192,19 +194,17 @@ class ContactProblem:
                 mean,
                 origin,
             )
-        elif offset is not None and math.isinf(grid.cap):
+        elif goal.level is not None and math.isinf(grid.cap):
             highest = np.unravel_index(grid.heights.argmax(), grid.heights.shape)
             grid.pressure[highest] = mean * grid.heights.size
         else:
             grid.pressure[:] = mean
 
-    def solve(
-        self, load: float, offset: float | None, tolerance: float, origin: PressureOrigin
-    ) -> Outcome:
+    def solve(self, goal: Prescribed, tolerance: float, origin: PressureOrigin) -> Outcome:
         """Solve on the finest grid, see `NestedGrid.solve`, with the area and the stiffness of the
         contact found."""
         finest, seam = self.finest, self.boundary == "periodic"
-        outcome = finest.solve(load, offset, tolerance, origin)
+        outcome = finest.solve(goal, tolerance, origin)
         outcome.contact = read_contact(
             finest.exact.pressure, self.hm.spacing, self.hm.shape[1], finest.cap, periodic=seam
         )

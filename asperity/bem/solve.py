@@ -91,18 +91,18 @@ def bem_solve(
     if isinstance(pressure, float | int) and pressure >= 0.0:
         share = expected_area_fraction(hm, material, min(float(pressure), material.hardness))
     problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary, share=share)
-    load, offset = problem.prescribed(pressure, separation)
+    goal = problem.prescribed(pressure, separation)
     prepared = time.perf_counter()
-    touches = problem.touches(load, offset)
+    touches = problem.touches(goal)
     start = _given(guess, hm.shape) if touches and guess is not None else None
-    coarse = problem.start(load, offset, start)
+    coarse = problem.start(goal, start)
     middle = time.perf_counter()
     origin = PressureOrigin.PROLONGED if touches and start is None else PressureOrigin.GIVEN
-    outcome = problem.solve(load, offset, problem.tolerance, origin)
+    outcome = problem.solve(goal, problem.tolerance, origin)
     outcome.iterations += coarse.iterations if coarse else 0
     told = answer(problem, outcome)
     exact, reading = problem.finest.exact, outcome.reading
-    level = reading.level if offset is None else offset
+    level = reading.level if goal.level is None else goal.level
     found, gap = problem.finest.pressure, exact.displacement[:, : hm.shape[1]]
     held = found >= problem.finest.cap
     found /= problem.compliance

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from strategies import rough
 
 from asperity import HalfSpace, bem_curve, bem_solve, errors, indent_bem
-from asperity.bem.certificate import certify
+from asperity.bem.certificate import Prescribed, certify
 from surfaces import HeightMap, PowerLawProfile
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -104,7 +104,7 @@ def certificate_of(pressure, hm, hardness):
         h,
         h.std(),
         cap=hardness,
-        mean_pressure=float(np.minimum(pressure, hardness).mean()),
+        goal=Prescribed(float(np.minimum(pressure, hardness).mean())),
     )
     energy = (pressure * (0.5 * displacement - h)).sum()
     return reading.certificate, energy

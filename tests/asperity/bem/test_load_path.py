@@ -85,11 +85,11 @@ def test_a_load_is_solved_further_from_where_it_stands():
     found = []
     for origin in (PressureOrigin.GIVEN, PressureOrigin.SOLVED):
         problem = ContactProblem(rough((96, 128)), HalfSpace.from_modulus(1.0), tolerance=1e-2)
-        load, offset = problem.prescribed(2e-3)
-        problem.start(load, offset)
-        problem.finest.solve(load, offset, 1e-2, PressureOrigin.PROLONGED)
+        goal = problem.prescribed(2e-3)
+        problem.start(goal)
+        problem.finest.solve(goal, 1e-2, PressureOrigin.PROLONGED)
         pairs = problem.finest.exact.pairs
-        outcome = problem.finest.solve(load, offset, 1e-5, origin)
+        outcome = problem.finest.solve(goal, 1e-5, origin)
         found.append((problem.finest.exact.pairs - pairs, outcome.reading.level))
     (given, level), (solved, same) = found
     assert given - solved == 1
@@ -102,10 +102,10 @@ def test_a_load_begins_with_the_tolerance_that_the_one_before_or_the_coarser_gri
     """Few loads are solved twice, the first one neither."""
     begun, solve = [], NestedGrid.solve
 
-    def noted(level, load, offset, tolerance, origin=PressureOrigin.GIVEN):
+    def noted(level, goal, tolerance, origin=PressureOrigin.GIVEN):
         if origin is not PressureOrigin.GIVEN:
             begun.append((origin, tolerance))
-        return solve(level, load, offset, tolerance, origin)
+        return solve(level, goal, tolerance, origin)
 
     monkeypatch.setattr(NestedGrid, "solve", noted)
     loads = np.geomspace(0.02, 0.2, 7)
