@@ -6,22 +6,22 @@ import math
 from typing import Any
 
 from .bounds import area_error, load_error
-from .correction import Outcome
+from .correction import GridSolution
 from .problem import ContactProblem
 from .stiffness import contact_stiffness
 
 __all__ = ["answer", "answer_of_hardness"]
 
 
-def answer(problem: ContactProblem, outcome: Outcome) -> dict[str, Any]:
+def answer(problem: ContactProblem, solution: GridSolution) -> dict[str, Any]:
     """Numbers of a solution, by the names of `BemSolution` and of the columns of a curve.
 
     In full contact of a periodic cell the separation is zero, without rounding.
     """
-    hm, finest, reading = problem.hm, problem.finest, outcome.reading
+    hm, finest, reading = problem.hm, problem.finest, solution.reading
     mean = reading.total / hm.heights.size / problem.compliance
-    full = math.isinf(outcome.stiffness)
-    raw, area, patches = outcome.contact
+    full = math.isinf(solution.stiffness)
+    raw, area, patches = solution.contact
     return {
         "separation": 0.0 if full else -(reading.level + finest.mean_height) * problem.unit,
         "mean_pressure": mean,
@@ -30,31 +30,33 @@ def answer(problem: ContactProblem, outcome: Outcome) -> dict[str, Any]:
         "contact_area": area,
         "contact_area_raw": raw,
         "contacts": patches,
-        "stiffness": _slope(problem, outcome, outcome.stiffness),
-        "converged": outcome.converged,
-        "error_estimate": load_error(problem, outcome),
-        "area_error_estimate": area_error(problem, outcome)[0],
+        "stiffness": _slope(problem, solution, solution.stiffness),
+        "converged": solution.converged,
+        "error_estimate": load_error(problem, solution),
+        "area_error_estimate": area_error(problem, solution)[0],
         "elastic_energy": 0.5 * reading.moment * _energy(problem),
-        "iterations": outcome.iterations,
+        "iterations": solution.iterations,
     }
 
 
-def answer_of_hardness(problem: ContactProblem, outcome: Outcome) -> dict[str, float]:
+def answer_of_hardness(problem: ContactProblem, solution: GridSolution) -> dict[str, float]:
     """Further numbers of a solution under a hardness."""
-    reading, area = outcome.reading, outcome.contact[1]
+    reading, area = solution.reading, solution.contact[1]
     held = reading.held * (problem.hm.area / problem.hm.heights.size)
-    slope = contact_stiffness(problem.finest, reading, unloading=True) if outcome.converged else 0.0
+    slope = (
+        contact_stiffness(problem.finest, reading, unloading=True) if solution.converged else 0.0
+    )
     return {
         "lift": reading.certificate.lift,
         "plastic_share": min(held / max(area, 1e-300), 1.0),
         "plastic_work": reading.plastic_work * _energy(problem),
-        "unloading_stiffness": _slope(problem, outcome, slope),
+        "unloading_stiffness": _slope(problem, solution, slope),
     }
 
 
-def _slope(problem: ContactProblem, outcome: Outcome, stiffness: float) -> float:
+def _slope(problem: ContactProblem, solution: GridSolution, stiffness: float) -> float:
     """Minus the slope of mean pressure over separation [Pa/m], NaN if not converged."""
-    return (stiffness if outcome.converged else math.nan) / problem.finest.exact.compliance
+    return (stiffness if solution.converged else math.nan) / problem.finest.exact.compliance
 
 
 def _energy(problem: ContactProblem) -> float:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .correction import Outcome
+from .correction import GridSolution
 from .problem import ContactProblem
 
 __all__ = ["AREA_OVER_LOAD_ERROR", "area_error", "load_error"]
@@ -26,7 +26,7 @@ _LEVEL_PARTS = 8
 equivalent points of a lattice."""
 
 
-def load_error(problem: ContactProblem, outcome: Outcome) -> float:
+def load_error(problem: ContactProblem, solution: GridSolution) -> float:
     """Bound on the relative error of the load at equal separation [-], from the certificate.
 
     Notes
@@ -36,12 +36,12 @@ def load_error(problem: ContactProblem, outcome: Outcome) -> float:
     taken: that of the stiffness of this contact, and F/U (`_past_error`). In full contact of a
     periodic cell no load changes the separation: the error is that of the prescribed load.
     """
-    now = outcome.stiffness * problem.finest.heights.size / max(outcome.reading.total, 1e-300)
-    now = _level_error(outcome) * now if math.isfinite(now) else 0.0
-    return max(_past_error(problem, outcome), now)
+    now = solution.stiffness * problem.finest.heights.size / max(solution.reading.total, 1e-300)
+    now = _level_error(solution) * now if math.isfinite(now) else 0.0
+    return max(_past_error(problem, solution), now)
 
 
-def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]:
+def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, float]:
     """Bound on the relative error of the contact area at equal load [-], and the part of one pixel.
 
     The bound is one pixel plus the larger of two errors: `AREA_OVER_LOAD_ERROR` times that of the
@@ -55,10 +55,10 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     near the solution counts in full. On random maps points open and close one by one: what counts
     is how many more of the unsure points would open than close.
     """
-    pixels = outcome.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
+    pixels = solution.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
     if pixels == 0.0:
         return 0.0, 0.0
-    reading, far = outcome.reading, _DECIDED_LENGTH * _level_error(outcome)
+    reading, far = solution.reading, _DECIDED_LENGTH * _level_error(solution)
     _, pressure, gap = problem.finest.select(reading, reading.level + far)
     pressed = pressure > 0.0
     # a point under pressure lies as deep as this pressure alone displaces it
@@ -67,7 +67,7 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     opening, closing = max(opens.max(), opens.sum() - closes.sum()), closes.max()
     leap = float(max(opening / max(pixels - opening, 1.0), closing / pixels))
     one = 1.0 / pixels
-    return max(AREA_OVER_LOAD_ERROR * _past_error(problem, outcome), leap) + one, one
+    return max(AREA_OVER_LOAD_ERROR * _past_error(problem, solution), leap) + one, one
 
 
 def _by_length(lengths: NDArray[np.float64], far: float) -> NDArray[np.int64]:
@@ -77,16 +77,16 @@ def _by_length(lengths: NDArray[np.float64], far: float) -> NDArray[np.int64]:
     return np.bincount(np.minimum(near.astype(np.int64), steps - 1), minlength=steps)
 
 
-def _past_error(problem: ContactProblem, outcome: Outcome) -> float:
+def _past_error(problem: ContactProblem, solution: GridSolution) -> float:
     """Relative error of the load by k = F/U, with the work U = int_s F ds', elastic and plastic.
 
     F/U is an upper bound of k = -d ln F/ds wherever k falls with the load, as it does at light
     loads of rough surfaces and of every blunt body. In full contact of a periodic cell, where every
     point is pressed by more than the error of the level, it is the load error of the certificate.
     """
-    reading = outcome.reading
+    reading = solution.reading
     total, work = reading.total, 0.5 * reading.moment + reading.plastic_work
-    error = _level_error(outcome)
+    error = _level_error(solution)
     if problem.boundary == "periodic" and reading.weakest * problem.own > _DECIDED_LENGTH * error:
         return reading.certificate.load
     if total == 0.0:
@@ -94,7 +94,7 @@ def _past_error(problem: ContactProblem, outcome: Outcome) -> float:
     return error * total / work if work > 0.0 else math.inf
 
 
-def _level_error(outcome: Outcome) -> float:
+def _level_error(solution: GridSolution) -> float:
     """Bound on the error of the level of the contact, in units."""
-    worst = max(outcome.tolerance, outcome.reading.certificate.worst)
-    return worst * outcome.reading.scale
+    worst = max(solution.tolerance, solution.reading.certificate.worst)
+    return worst * solution.reading.scale

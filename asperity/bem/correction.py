@@ -20,7 +20,7 @@ from .operator import HalfSpaceOperator
 from .projected_gradients import SPARE_LOAD, solve_on_list
 from .split import SplitOperator
 
-__all__ = ["NestedGrid", "Outcome", "PoorPredictionError", "PressureOrigin"]
+__all__ = ["GridSolution", "NestedGrid", "PoorPredictionError", "PressureOrigin"]
 
 Selection = tuple[ContactList, NDArray[np.float64], NDArray[np.float64]]
 """Points of a grid, their pressures p~ and their gaps u - h [m]."""
@@ -82,7 +82,7 @@ class PressureOrigin(Enum):
 
 
 @dataclass
-class Outcome:
+class GridSolution:
     """Result of the outer iteration on one grid; the solution is the state of its operator.
 
     Attributes
@@ -145,7 +145,7 @@ class NestedGrid:
         goal: Prescribed,
         tolerance: float,
         origin: PressureOrigin = PressureOrigin.GIVEN,
-    ) -> Outcome:
+    ) -> GridSolution:
         """Correct the pressure until each entry of its certificate is within the tolerance.
 
         A predicted pressure that is too far off is left unchanged, and PoorPredictionError is
@@ -170,7 +170,7 @@ class NestedGrid:
             worst = reading.certificate.worst
             unsure = here in (PressureOrigin.PREDICTED, PressureOrigin.PROLONGED)
             if worst <= tolerance and not unsure:
-                return Outcome(reading, iterations, tolerance, True, "")
+                return GridSolution(reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             self._careful = self._careful or idle >= 2
             best = min(best, worst)
@@ -190,7 +190,7 @@ class NestedGrid:
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
         )
-        return Outcome(reading, iterations, tolerance, False, reason)
+        return GridSolution(reading, iterations, tolerance, False, reason)
 
     def _listed(self, goal: Prescribed, reading: Reading, error: float, first: bool) -> Selection:
         """The candidates."""

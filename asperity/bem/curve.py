@@ -218,10 +218,10 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     problem = path.problem
     exact = problem.finest.exact
     begun, pairs = time.perf_counter(), exact.pairs
-    outcome = path.solve(**{kind: value})
-    certificate = outcome.reading.certificate
+    solution = path.solve(**{kind: value})
+    certificate = solution.reading.certificate
     contact = problem.finest.pressure > 0.0 if keep_map else _NO_MAP
-    columns = answer(problem, outcome) | {
+    columns = answer(problem, solution) | {
         "residual": certificate.worst,
         "load_error": certificate.load,
         "complementarity": certificate.complementarity,
@@ -230,8 +230,8 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "seconds": time.perf_counter() - begun,
     }
     if math.isfinite(problem.finest.cap):
-        columns |= answer_of_hardness(problem, outcome)
-    return SolvedLoad(columns, contact, outcome.reason)
+        columns |= answer_of_hardness(problem, solution)
+    return SolvedLoad(columns, contact, solution.reason)
 
 
 def _curve(

@@ -19,7 +19,7 @@ from surfaces.numerics.parallel import apart, by_rows
 from ._grid_kernels import extrapolate
 from .bounds import AREA_OVER_LOAD_ERROR, area_error, load_error
 from .certificate import Prescribed
-from .correction import Outcome, PoorPredictionError, PressureOrigin
+from .correction import GridSolution, PoorPredictionError, PressureOrigin
 from .problem import ContactProblem
 
 __all__ = ["NO_LIMIT", "LoadPath", "follow_chains", "split_loads", "stopping"]
@@ -146,7 +146,9 @@ class LoadPath:
         self._points = 0
         self._stiffness = 0.0
 
-    def solve(self, *, pressure: float | None = None, separation: float | None = None) -> Outcome:
+    def solve(
+        self, *, pressure: float | None = None, separation: float | None = None
+    ) -> GridSolution:
         """Solve at the next mean pressure [Pa] or separation [m]."""
         problem = self.problem
         goal = problem.prescribed(pressure, separation)
@@ -156,50 +158,52 @@ class LoadPath:
             return problem.finest.solve(goal, problem.tolerance)
         last = self._means[1]
         mean = goal.mean if goal.level is None else self._forecast(goal.level)
-        outcome = None
+        solution = None
         near = 0.0 < mean <= _LARGEST_RATIO * last
         if near and self._two_known():
             self._predict(mean)
             with contextlib.suppress(PoorPredictionError):
-                outcome = problem.solve(goal, self._tolerance, PressureOrigin.PREDICTED)
+                solution = problem.solve(goal, self._tolerance, PressureOrigin.PREDICTED)
         else:
             self._old = self._copied() if near else None
-        if outcome is None:
+        if solution is None:
             coarse = problem.start(goal)
             if coarse is not None and coarse.converged:
                 load_left = load_error(problem, coarse)
                 self._needed_tolerance(coarse, load_left, AREA_OVER_LOAD_ERROR * load_left, 0.0)
-            outcome = problem.solve(goal, self._tolerance, PressureOrigin.PROLONGED)
-            outcome.iterations += coarse.iterations if coarse is not None else 0
-        outcome = self._sharpened(outcome, goal)
-        self._remember(outcome)
-        return outcome
+            solution = problem.solve(goal, self._tolerance, PressureOrigin.PROLONGED)
+            solution.iterations += coarse.iterations if coarse is not None else 0
+        solution = self._sharpened(solution, goal)
+        self._remember(solution)
+        return solution
 
-    def _sharpened(self, outcome: Outcome, goal: Prescribed) -> Outcome:
+    def _sharpened(self, solution: GridSolution, goal: Prescribed) -> GridSolution:
         """Solve to smaller tolerances until load and area are within the accuracy: usually once,
         more often where many points open or close together."""
         for _ in range(_MOST_TIMES if self._accuracy < NO_LIMIT else 0):
-            area, pixel = area_error(self.problem, outcome)
-            error = load_error(self.problem, outcome), area
-            if max(error[0], area - pixel) <= 0.0 or not outcome.converged:
+            area, pixel = area_error(self.problem, solution)
+            error = load_error(self.problem, solution), area
+            if max(error[0], area - pixel) <= 0.0 or not solution.converged:
                 break
-            tolerance = self._needed_tolerance(outcome, error[0], area - pixel, pixel)
+            tolerance = self._needed_tolerance(solution, error[0], area - pixel, pixel)
             met = error[0] <= self._accuracy[0] and area <= self._accuracy[1]
-            if met or tolerance >= outcome.tolerance:
+            if met or tolerance >= solution.tolerance:
                 break
-            spent = outcome.iterations
-            outcome = self.problem.solve(goal, tolerance, PressureOrigin.SOLVED)
-            outcome.iterations += spent
-        return outcome
+            spent = solution.iterations
+            solution = self.problem.solve(goal, tolerance, PressureOrigin.SOLVED)
+            solution.iterations += spent
+        return solution
 
-    def _needed_tolerance(self, outcome: Outcome, load: float, area: float, pixel: float) -> float:
+    def _needed_tolerance(
+        self, solution: GridSolution, load: float, area: float, pixel: float
+    ) -> float:
         """Tolerance at which load and area would be within the accuracy; the next load begins with
-        it. The outcome has the errors `load`, and `area` plus `pixel`, the error of one pixel."""
+        it. The solution has the errors `load`, and `area` plus `pixel`, the error of one pixel."""
         allowed = max(self._accuracy[1] - pixel, _LEAST_SHARE * self._accuracy[1])
         over = max(load / self._accuracy[0], area / allowed)
         if not 0.0 < over < math.inf:
-            return outcome.tolerance
-        tolerance = max(_AIM * outcome.tolerance / over, _SMALLEST_TOLERANCE)
+            return solution.tolerance
+        tolerance = max(_AIM * solution.tolerance / over, _SMALLEST_TOLERANCE)
         self._tolerance = min(tolerance, self.problem.tolerance)
         return tolerance
 
@@ -232,9 +236,9 @@ class LoadPath:
         for field, old in zip(now, self._old, strict=True):
             by_rows(extrapolate, field.shape, field, old, *shares)
 
-    def _remember(self, outcome: Outcome) -> None:
+    def _remember(self, solution: GridSolution) -> None:
         """Keep the solution as the last point of the secant."""
-        mean = outcome.reading.total / self.problem.hm.heights.size
+        mean = solution.reading.total / self.problem.hm.heights.size
         self._means = (self._means[1] if self._old is not None else 0.0, mean)
-        self._level, self._stiffness = outcome.reading.level, outcome.stiffness
-        self._points = outcome.reading.points
+        self._level, self._stiffness = solution.reading.level, solution.stiffness
+        self._points = solution.reading.points

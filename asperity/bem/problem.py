@@ -18,7 +18,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
 from .certificate import Prescribed
-from .correction import NestedGrid, Outcome, PressureOrigin
+from .correction import GridSolution, NestedGrid, PressureOrigin
 from .grids import coarse_maps, nested_shapes, prolong
 from .memory import require_memory
 from .operator import HalfSpaceOperator
@@ -124,7 +124,9 @@ class ContactProblem:
         """Whether there is any contact at the prescribed load or level."""
         return goal.mean > 0.0 if goal.level is None else -goal.level < self.finest.highest
 
-    def start(self, goal: Prescribed, given: NDArray[np.float64] | None = None) -> Outcome | None:
+    def start(
+        self, goal: Prescribed, given: NDArray[np.float64] | None = None
+    ) -> GridSolution | None:
         """First pressure of the finest grid, from a given pressure or from the coarser grids.
 
         Returns how it went on the last of these, with the iterations spent on all of them.
@@ -140,7 +142,7 @@ class ContactProblem:
         pressure *= self.compliance if by_level else goal.mean / float(pressure.mean())
         return None
 
-    def _nested(self, goal: Prescribed) -> Outcome | None:
+    def _nested(self, goal: Prescribed) -> GridSolution | None:
         """Start from the coarser grids."""
         mean = goal.mean
         if goal.level is not None:
@@ -150,7 +152,7 @@ class ContactProblem:
         fine, whole = self.finest.exact, self.finest.heights
         top = self.hm.roughness.summit if self.boundary == "periodic" else (0, 0)
         scratch = Scratch(fine.output)
-        outcome: Outcome | None = None
+        solution: GridSolution | None = None
         coarse: NestedGrid | None = None
         ly, lx = self.hm.size
         for heights in coarse_maps(whole, self.boundary, shapes, top):
@@ -165,14 +167,14 @@ class ContactProblem:
                 continue
             self._start(grid, coarse, ratio * mean, goal)
             tolerance = max(_COARSE_TOLERANCE, self.tolerance)
-            spent = outcome.iterations if outcome else 0
-            outcome = grid.solve(replace(goal, mean=ratio * goal.mean), tolerance)
-            outcome.iterations += spent
+            spent = solution.iterations if solution else 0
+            solution = grid.solve(replace(goal, mean=ratio * goal.mean), tolerance)
+            solution.iterations += spent
             if goal.level is not None:
-                mean = outcome.reading.total / heights.size / ratio
+                mean = solution.reading.total / heights.size / ratio
             coarse = grid
         self._start(self.finest, coarse, mean, goal, top)
-        return outcome
+        return solution
 
     def _start(
         self,
@@ -200,17 +202,17 @@ class ContactProblem:
         else:
             grid.pressure[:] = mean
 
-    def solve(self, goal: Prescribed, tolerance: float, origin: PressureOrigin) -> Outcome:
+    def solve(self, goal: Prescribed, tolerance: float, origin: PressureOrigin) -> GridSolution:
         """Solve on the finest grid, see `NestedGrid.solve`, with the area and the stiffness of the
         contact found."""
         finest, seam = self.finest, self.boundary == "periodic"
-        outcome = finest.solve(goal, tolerance, origin)
-        outcome.contact = read_contact(
+        solution = finest.solve(goal, tolerance, origin)
+        solution.contact = read_contact(
             finest.exact.pressure, self.hm.spacing, self.hm.shape[1], finest.cap, periodic=seam
         )
-        if outcome.converged:
-            outcome.stiffness = contact_stiffness(finest, outcome.reading)
-        return outcome
+        if solution.converged:
+            solution.stiffness = contact_stiffness(finest, solution.reading)
+        return solution
 
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""

@@ -98,10 +98,10 @@ def bem_solve(
     coarse = problem.start(goal, start)
     middle = time.perf_counter()
     origin = PressureOrigin.PROLONGED if touches and start is None else PressureOrigin.GIVEN
-    outcome = problem.solve(goal, problem.tolerance, origin)
-    outcome.iterations += coarse.iterations if coarse else 0
-    told = answer(problem, outcome)
-    exact, reading = problem.finest.exact, outcome.reading
+    solution = problem.solve(goal, problem.tolerance, origin)
+    solution.iterations += coarse.iterations if coarse else 0
+    told = answer(problem, solution)
+    exact, reading = problem.finest.exact, solution.reading
     level = reading.level if goal.level is None else goal.level
     found, gap = problem.finest.pressure, exact.displacement[:, : hm.shape[1]]
     held = found >= problem.finest.cap
@@ -122,8 +122,8 @@ def bem_solve(
         gap=gap,
         plastic_depth=depth,
         certificate=reading.certificate,
-        status="converged" if outcome.converged else "stagnated",
-        reason=outcome.reason,
+        status="converged" if solution.converged else "stagnated",
+        reason=solution.reason,
         fft_pairs=exact.pairs,
         seconds={
             "setup": prepared - begun,

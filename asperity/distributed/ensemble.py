@@ -24,7 +24,7 @@ from .index import Sweep
 from .jobs import Job, Jobs
 from .pool import Workers
 from .sweep import row_of, run
-from .work import Outcome, load_map
+from .work import JobResult, load_map
 
 __all__ = ["enough", "ensemble", "seeded", "windows_of"]
 
@@ -134,12 +134,12 @@ def ensemble(
     rows, curves, widths = list[Any](), list[Any](), list[float]()
     stream = run(distinct, maker.folder, on, force, pressures)
     with reported(progress, len(distinct), "members") as tell, closing(stream):
-        for job, outcome in _in_order(distinct, stream):
-            rows.append(row_of(job, outcome))
+        for job, result in _in_order(distinct, stream):
+            rows.append(row_of(job, result))
             if tell is not None:
                 tell(rows[-1])
-            if "values" in outcome:
-                curves.append([outcome["values"][name] for name in QUANTITIES])
+            if "values" in result:
+                curves.append([result["values"][name] for name in QUANTITIES])
                 confidence.add(np.array(curves[-1][QUANTITIES.index(DECIDES)]))
                 widths.append(confidence.relative)
                 if until is not None and enough(widths, until):
@@ -217,14 +217,14 @@ def _common(first: Job) -> NDArray[np.float64]:
 
 
 def _in_order(
-    jobs: Sequence[Job], stream: Iterator[tuple[Job, Outcome]]
-) -> Iterator[tuple[Job, Outcome]]:
-    """Jobs and outcomes in the order of the jobs, each as soon as those before it are there."""
-    found: dict[str, Outcome] = {}
+    jobs: Sequence[Job], stream: Iterator[tuple[Job, JobResult]]
+) -> Iterator[tuple[Job, JobResult]]:
+    """Jobs and results in the order of the jobs, each as soon as those before it are there."""
+    found: dict[str, JobResult] = {}
     left = iter(jobs)
     job = next(left, None)
-    for done, outcome in stream:
-        found[done.file] = outcome
+    for done, result in stream:
+        found[done.file] = result
         while job is not None and job.file in found:
             yield job, found.pop(job.file)
             job = next(left, None)

@@ -30,9 +30,9 @@ from surfaces.errors import as_count
 from surfaces.numerics.parallel import available
 
 from .jobs import Job
-from .work import Outcome, failure
+from .work import JobResult, failure
 
-__all__ = ["Pool", "Workers", "opened", "outcomes"]
+__all__ = ["Pool", "Workers", "opened", "run_in_batches"]
 
 SECONDS_OF_A_BATCH = 1.0
 """Work that goes to a worker at once: sending it takes some milliseconds."""
@@ -70,7 +70,7 @@ process that has imported it, and has no threads."""
 
 INSTALL = "pip install 'asperity[distributed]'"
 
-Work = Callable[[Sequence[Job]], list[Outcome]]
+Work = Callable[[Sequence[Job]], list[JobResult]]
 
 
 class Pool(Protocol):
@@ -248,7 +248,7 @@ def _end_with_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job, Outcome]]:
+def run_in_batches(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job, JobResult]]:
     """Run jobs in batches, begun in their order, and tell of each as it ends.
 
     What runs a batch, `work`, goes to the workers. A lost scheduler is an AsperityError.
@@ -259,7 +259,7 @@ def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job,
     foresaw, are run one by one while no other runs, so that the one to blame is known; it fails.
     """
     waiting, suspects = deque(jobs), deque[Job]()
-    flying: dict[Future[list[Outcome]], list[Job]] = {}
+    flying: dict[Future[list[JobResult]], list[Job]] = {}
     fitting = 1
     while waiting or suspects or flying:
         most = IN_FLIGHT * pool.workers
@@ -278,11 +278,11 @@ def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job,
                 continue
             found = future.result()
             yield from zip(batch, found, strict=True)
-            seconds = sum(outcome.get("seconds", 0.0) for outcome in found) / len(found)
+            seconds = sum(result.get("seconds", 0.0) for result in found) / len(found)
             fitting = max(1, int(SECONDS_OF_A_BATCH / max(seconds, LEAST_SECONDS)))
 
 
-def _alone(job: Job, work: Work, pool: Pool) -> Outcome:
+def _alone(job: Job, work: Work, pool: Pool) -> JobResult:
     """Run a job while no other runs; whatever ends its worker is its own fault."""
     (future,) = _done([pool.submit(work, [job])], pool)
     error = _error(future)

@@ -21,8 +21,8 @@ from surfaces.files.atomic import make_folder
 
 from .index import Sweep
 from .jobs import METHODS, Job, Jobs
-from .pool import Workers, opened, outcomes
-from .work import Outcome, finished, run_jobs
+from .pool import Workers, opened, run_in_batches
+from .work import JobResult, finished, run_jobs
 
 __all__ = ["row_of", "run", "run_sweep", "sweep"]
 
@@ -120,7 +120,7 @@ def run(
     on: Workers,
     force: bool = False,
     at: NDArray[np.float64] | None = None,
-) -> Generator[tuple[Job, Outcome]]:
+) -> Generator[tuple[Job, JobResult]]:
     """Tell of each job as it ends, those that an earlier run finished first; see `run_jobs`."""
     results = Path(os.path.abspath(folder)) / RESULTS
     make_folder(results)
@@ -140,7 +140,7 @@ def run(
         compile_ahead(*dict.fromkeys(parts))
         work = functools.partial(run_jobs, folder=results, threads=on.threads, force=force, at=at)
         with opened(on, len(left)) as pool:
-            yield from outcomes(left, work, pool)
+            yield from run_in_batches(left, work, pool)
 
 
 def run_sweep(
@@ -152,7 +152,7 @@ def run_sweep(
     progress: Progress = None,
 ) -> Sweep:
     """Run jobs that were made before, see `sweep`; what it returns is written to the folder."""
-    found: dict[str, Outcome] = {}
+    found: dict[str, JobResult] = {}
 
     def index() -> Sweep:
         return Sweep.of_rows(folder, [row_of(job, found.get(job.file)) for job in jobs])
@@ -161,10 +161,10 @@ def run_sweep(
     next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
     with reported(progress, len(distinct), "jobs") as tell:
         try:
-            for job, outcome in run(list(distinct.values()), folder, on, force):
-                found[job.file] = outcome
+            for job, result in run(list(distinct.values()), folder, on, force):
+                found[job.file] = result
                 if tell is not None:
-                    tell(row_of(job, outcome))
+                    tell(row_of(job, result))
                 if (begun := time.monotonic()) > next_write:
                     index().write()
                     spent = time.monotonic() - begun
@@ -175,9 +175,9 @@ def run_sweep(
     return whole
 
 
-def row_of(job: Job, outcome: Outcome | None) -> dict[str, str | float]:
+def row_of(job: Job, result: JobResult | None) -> dict[str, str | float]:
     """What the index tells of a job."""
-    found = {"state": "waiting", "reason": ""} if outcome is None else outcome
+    found = {"state": "waiting", "reason": ""} if result is None else result
     told = {"state": found["state"], "reason": found["reason"], **found}
     told.pop("values", None)
     kept = found["state"] in ("done", "not converged")

@@ -24,9 +24,9 @@ from surfaces.numerics.parallel import set_threads
 from .bands import QUANTITIES
 from .jobs import Job, Surface, method
 
-__all__ = ["Outcome", "failure", "finished", "load_map", "run_jobs"]
+__all__ = ["JobResult", "failure", "finished", "load_map", "run_jobs"]
 
-Outcome = Mapping[str, Any]
+JobResult = Mapping[str, Any]
 """What the index tells of a job that was run: ``state``, ``reason`` and numbers."""
 
 _one_at_a_time = threading.Lock()
@@ -38,12 +38,12 @@ def run_jobs(
     threads: int,
     force: bool,
     at: NDArray[np.float64] | None = None,
-) -> list[Outcome]:
+) -> list[JobResult]:
     """Run jobs in this process, in turn; what has its results file in the folder already is read
     from there, unless by `force` it is run again.
 
     The number of threads of each job changes the order of some sums, and so the last digits. With
-    pressures [Pa] `at` the outcome holds the ``values`` of the curve there too.
+    pressures [Pa] `at` the result holds the ``values`` of the curve there too.
     """
     with _one_at_a_time, warnings.catch_warnings():
         warnings.simplefilter("ignore", ContactWarning)  # results hold them
@@ -59,7 +59,7 @@ def run_jobs(
             set_memory(None)  # which the loading of a map may have set
 
 
-def finished(job: Job, folder: Path, at: NDArray[np.float64] | None = None) -> Outcome | None:
+def finished(job: Job, folder: Path, at: NDArray[np.float64] | None = None) -> JobResult | None:
     """What an earlier run found, None if it did not finish the job."""
     path = folder / job.file
     try:
@@ -84,8 +84,8 @@ def load_map(job: Job, load: Callable[[Surface], HeightMap] = _load) -> HeightMa
     return hm if preparation is None else surfaces.prepare(hm, **preparation)
 
 
-def failure(error: BaseException) -> Outcome:
-    """Outcome of a job without a result."""
+def failure(error: BaseException) -> JobResult:
+    """Result of a job that has no curve."""
     return {"state": "failed", "reason": " ".join(str(error).split()) or type(error).__name__}
 
 
@@ -94,7 +94,7 @@ def _run(
     folder: Path,
     at: NDArray[np.float64] | None,
     load: Callable[[Surface], HeightMap],
-) -> Outcome:
+) -> JobResult:
     """Solve one job and write its results file."""
     begun = time.perf_counter()
     settings = {k: v for k, v in job.settings.items() if k not in ("method", "prepare")}
@@ -103,14 +103,14 @@ def _run(
         if "loads" in settings:
             settings["pressures"] = np.asarray(settings.pop("loads"), float) / hm.area
         curve = method(job.settings["method"])(hm, job.material, **settings)
-        outcome = _outcome(at_heaviest(curve), curve.settings)
-        outcome["seconds"] = time.perf_counter() - begun
+        result = _result(at_heaviest(curve), curve.settings)
+        result["seconds"] = time.perf_counter() - begun
         content = ResultFile(
             curves={curve.model: curve},
-            about={"job": job.digest, "surface": job.surface.name, "outcome": outcome},
+            about={"job": job.digest, "surface": job.surface.name, "outcome": result},
         )
         write_results(folder / job.file, content)
-        return {**outcome, **_values(curve, at)}
+        return {**result, **_values(curve, at)}
     except (AsperityError, MemoryError) as error:
         return failure(error)
 
@@ -127,7 +127,7 @@ def _values(curve: ContactCurve | None, at: NDArray[np.float64] | None) -> dict[
     return {"values": values}
 
 
-def _outcome(found: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+def _result(found: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     """What the index tells of a curve, as plain numbers and texts."""
     state = "done" if found.pop("converged") else "not converged"
     rough = {name: settings["map"][name] for name in ("rms_height", "rms_slope")}

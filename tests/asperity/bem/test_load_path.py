@@ -89,8 +89,8 @@ def test_a_load_is_solved_further_from_where_it_stands():
         problem.start(goal)
         problem.finest.solve(goal, 1e-2, PressureOrigin.PROLONGED)
         pairs = problem.finest.exact.pairs
-        outcome = problem.finest.solve(goal, 1e-5, origin)
-        found.append((problem.finest.exact.pairs - pairs, outcome.reading.level))
+        solution = problem.finest.solve(goal, 1e-5, origin)
+        found.append((problem.finest.exact.pairs - pairs, solution.reading.level))
     (given, level), (solved, same) = found
     assert given - solved == 1
     assert same == level
