@@ -18,6 +18,7 @@ from asperity import HalfSpace
 from asperity.microcontact import tabulate
 from asperity.microcontact.law_table import LazyTable
 from asperity.microcontact.laws import LAWS
+from asperity.microcontact.ray_laws import tabulate_expansion
 
 BAR = 20.0
 """Microseconds per profile that fit, table and evaluation may take together."""
@@ -46,7 +47,9 @@ def main(laws: list[str]) -> None:
             total = fit + made + read
             error = ""
             if law in ("paper", "harmonic"):
-                fine = tabulate(profiles, material, law=law, nodes=64, radii=96, points=64)
+                fine = tabulate_expansion(
+                    profiles, material, law=law, nodes=64, radii=96, points=64
+                )
                 some = depth[:, 10:40:10]
                 good = (LazyTable.of(fine).flags_at(rows, some) & 3) == 0
                 change = table.evaluate(rows, some)[0] / fine.evaluate(rows, some)[0] - 1

@@ -24,6 +24,9 @@ __all__ = ["EllipticContact", "elliptic_contact", "tabulate"]
 
 Array = NDArray[np.float64]
 
+_INTERVALS = 16
+"""Intervals of a table; force and area are exact on any number."""
+
 _STEP, _TAIL = 0.32, 32.0
 """Step and half-width of the trapezoidal rule of `_integrals`."""
 
@@ -83,9 +86,7 @@ def elliptic_contact(
     return EllipticContact(beta * major, major, force, stiffness, peak)
 
 
-def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "hertz", nodes: int = 16
-) -> LawTable:
+def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
     """Law table of the summits' curvatures; it ends where the ellipse has the basin's area."""
     k1, k2 = profiles.curvature[:, 0], profiles.curvature[:, 1]
     valid = np.isfinite(k1) & (k2 > 0) & np.all(profiles.edge > 0, axis=1)
@@ -96,7 +97,7 @@ def tabulate(
     basin = 0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1)
     reach = np.where(valid, basin / (np.pi * minor * major), 0.0)
     unit = material.modulus * np.exp(log_force) * g ** (-(1 + material.m) / 2)
-    u = np.linspace(0.0, 1.0, nodes + 1)
+    u = np.linspace(0.0, 1.0, _INTERVALS + 1)
     area = np.where(valid, basin, 0.0)[:, None] * u**2
     force = (unit * reach ** (p / 2))[:, None] * u**p
     stiffness = (unit * p / 2 * reach ** (p / 2 - 1))[:, None] * u ** (p - 2)
@@ -104,7 +105,7 @@ def tabulate(
     flags[valid, -1] = Flag.FILLED
     axes = np.stack([minor, major], axis=1) * np.sqrt(reach)[:, None]
     spread = _spread(profiles, material.m, u, reach, axes)
-    return LawTable(reach, force, stiffness, area, flags, spread, p, law)
+    return LawTable(reach, force, stiffness, area, flags, spread, p)
 
 
 def _spread(profiles: Profiles, m: float, u: Array, reach: Array, axes: Array) -> Array:

@@ -14,10 +14,13 @@ from asperity.errors import InputError
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import zeros
 
-__all__ = ["LawTable", "LazyTable", "joined"]
+__all__ = ["INTERVALS", "LawTable", "LazyTable", "joined"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
+
+INTERVALS = 24
+"""Intervals of the tables of contacts of a map."""
 
 ROWS_TOGETHER = 4096
 """Rows of a lazy table made at a time: the sampled rays of more would fill the memory."""
@@ -49,8 +52,6 @@ class LawTable:
         Expected relative error of the force (error estimate), shape (n, K + 1).
     exponent
         Power p of u = sqrt(d/reach) in F = u^p s(u), p = 3 + m: then a paraboloid has constant s.
-    law
-        Name of the law.
     centre
         Centre (x, y) [m] of the contact relative to the summit at the nodes, shape
         (n, K + 1, 2); None if the law keeps every contact about its summit.
@@ -78,7 +79,6 @@ class LawTable:
     flags: NDArray[np.uint8]
     spread: Array
     exponent: float = 3.0
-    law: str = ""
     centre: Array | None = None
     bearing: Array | None = None
     elastic: Array | None = None

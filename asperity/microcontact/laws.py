@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from asperity.halfspace.material import HalfSpace
 from . import hertz
 from .capped_table import capped_table
 from .ellipse import batch as ellipse
-from .law_table import LawTable
+from .law_table import INTERVALS, LawTable
 from .ray_laws import ritz_forces, tabulate_expansion, tabulate_ritz
 
 if TYPE_CHECKING:
@@ -41,13 +41,7 @@ GROSS_DIFFERENCE = 1.3
 polynomial."""
 
 
-def tabulate_auto(
-    profiles: Profiles,
-    material: HalfSpace,
-    *,
-    law: str = "auto",
-    nodes: int = ellipse.TABLE_INTERVALS,
-) -> LawTable:
+def tabulate_auto(profiles: Profiles, material: HalfSpace) -> LawTable:
     """Law table of many profiles: `ellipse`, checked against `ritz` where its expansion ends early.
 
     `ellipse`, the expansion about the optimal ellipse, is the most accurate law wherever a
@@ -59,8 +53,8 @@ def tabulate_auto(
     which rises along every ray: the law `harmonic` is exact there, while `ritz` has a third of the
     force.
     """
-    table = replace(ellipse.tabulate(profiles, material, nodes=nodes), law=law)
-    left = table.flags[:, 1 : int(DOUBTFUL_END * nodes) + 1] & Flag.BEYOND_RADIUS
+    table = ellipse.tabulate(profiles, material)
+    left = table.flags[:, 1 : int(DOUBTFUL_END * table.nodes) + 1] & Flag.BEYOND_RADIUS
     ratio = np.where(profiles.valid & (table.reach == 0), np.inf, 1.0)
     doubtful = np.flatnonzero(left.any(axis=1) & (table.reach > 0))
     if doubtful.size:
@@ -68,11 +62,11 @@ def tabulate_auto(
     tip, end = profiles.q[:, :, 1], profiles.q[:, :, -1]
     level = np.isinf(ratio) & ((tip > LEVEL_TIP[0] * end) & (tip < LEVEL_TIP[1] * end)).all(axis=1)
     for rows, second in (
-        (np.flatnonzero(level), tabulate_expansion),
+        (np.flatnonzero(level), partial(tabulate_expansion, law="harmonic", nodes=INTERVALS)),
         (np.flatnonzero(~level & (ratio > GROSS_DIFFERENCE)), tabulate_ritz),
     ):
         if rows.size:
-            other = second(profiles.rows(rows), material, nodes=nodes)
+            other = second(profiles.rows(rows), material)
             _without_pull(other)
             _replace(table, rows, other, ratio[rows])
     return table
@@ -118,15 +112,15 @@ def _replace(table: LawTable, rows: NDArray[np.int64], second: LawTable, ratio: 
         table.centre[rows] = 0.0
 
 
-TABULATORS: dict[str, Callable[..., LawTable]] = {
+TABULATORS: dict[str, Callable[[Profiles, HalfSpace], LawTable]] = {
     "auto": tabulate_auto,
     "hertz": hertz.tabulate,
-    "paper": tabulate_expansion,
-    "harmonic": tabulate_expansion,
+    "paper": partial(tabulate_expansion, law="paper"),
+    "harmonic": partial(tabulate_expansion, law="harmonic"),
     "ellipse": ellipse.tabulate,
     "ritz": tabulate_ritz,
 }
-"""Law table of a batch by each law, ``(profiles, material, *, law, nodes)``, the default first."""
+"""Law table of a batch by each law, the default first."""
 
 LAWS = tuple(TABULATORS)
 """Names of the laws."""
@@ -138,21 +132,17 @@ def require_law(law: str) -> None:
         raise InputError(f"no law is called {law!r}; the laws are {', '.join(TABULATORS)}")
 
 
-def elastic_table(
-    profiles: Profiles, material: HalfSpace, *, law: str = "harmonic", **settings: Any
-) -> LawTable:
+def elastic_table(profiles: Profiles, material: HalfSpace, *, law: str) -> LawTable:
     """`tabulate` without the hardness. If the half-space has one, the table holds the bearing areas
     from which `capped_table` makes the laws with the hardness."""
     require_law(law)
-    table = TABULATORS[law](profiles, material, law=law, **settings)
+    table = TABULATORS[law](profiles, material)
     if material.hardness < math.inf:
         table.bearing = profiles.bearing_areas(table.approach())
     return table
 
 
-def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "harmonic", **settings: Any
-) -> LawTable:
+def tabulate(profiles: Profiles, material: HalfSpace, *, law: str = "harmonic") -> LawTable:
     """Table of force, stiffness and area over the approach of all profiles.
 
     Parameters
@@ -163,7 +153,5 @@ def tabulate(
         Half-space.
     law
         Name of the law, see `LAWS`.
-    settings
-        Passed to the law: ``nodes``, the number of intervals of the table.
     """
-    return capped_table(elastic_table(profiles, material, law=law, **settings), material)
+    return capped_table(elastic_table(profiles, material, law=law), material)

@@ -17,7 +17,7 @@ from asperity.halfspace.transforms import gauss_jacobi, moment_weights
 from surfaces.numerics import parallel
 from surfaces.numerics.cubics import count_below, lagrange
 
-from .law_table import LawTable
+from .law_table import INTERVALS, LawTable
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
@@ -53,7 +53,7 @@ def tabulate_expansion(
     profiles: Profiles,
     material: HalfSpace,
     *,
-    law: str = "harmonic",
+    law: str,
     nodes: int = 16,
     radii: int = 14,
     points: int = 5,
@@ -86,24 +86,24 @@ def tabulate_expansion(
     rays = (*map(np.ascontiguousarray, sampled), usable, top)
     harmonics = m + (1 - m) * np.arange(_HARMONICS + 2.0)
     inputs = (rays, fractions, t, _radial(t, weights), harmonics, m)
-    table = _no_laws(top.size, nodes, 3 + m, law)
+    table = _no_laws(top.size, nodes, 3 + m)
 
     def part(start: int, stop: int) -> None:
         rows = start + np.flatnonzero(usable[start:stop])
         found = np.zeros((stop - start, radii, QUANTITIES))
         expand_profiles(start, stop, *inputs, found)
         if rows.size:
-            _tabulate(found[rows - start], top[rows, None] * fractions, material, table, rows)
+            _tabulate(found[rows - start], top[rows, None] * fractions, material, law, table, rows)
 
     parallel.run(part, parallel.blocks(top.size, 64, _BLOCK))
     return table
 
 
-def _no_laws(count: int, nodes: int, exponent: float, law: str) -> LawTable:
+def _no_laws(count: int, nodes: int, exponent: float) -> LawTable:
     """Table of contacts without a law, to be filled."""
     force, stiffness, area, spread = np.zeros((4, count, nodes + 1))
     flags = np.zeros(force.shape, np.uint8)
-    return LawTable(np.zeros(count), force, stiffness, area, flags, spread, exponent, law)
+    return LawTable(np.zeros(count), force, stiffness, area, flags, spread, exponent)
 
 
 def _radial(t: Array, weights: Array) -> Array:
@@ -112,7 +112,9 @@ def _radial(t: Array, weights: Array) -> Array:
     return np.stack([weights * t**power for power in powers])
 
 
-def _tabulate(found: Array, a: Array, material: HalfSpace, table: LawTable, rows: Rows) -> None:
+def _tabulate(
+    found: Array, a: Array, material: HalfSpace, law: str, table: LawTable, rows: Rows
+) -> None:
     """Fill the `rows` of a table from the quantities over the radii `a` [m], (n, radii)."""
     m, modulus, p = material.m, material.modulus, 3 + material.m
     rising = np.logical_and.accumulate((found[..., 0] > 0) & (found[..., 1] > 0), axis=1)
@@ -121,17 +123,17 @@ def _tabulate(found: Array, a: Array, material: HalfSpace, table: LawTable, rows
     slope = np.where(rising, found[..., 1], 1.0) / a
     first = 2 * modulus * a ** (1 + m) * (approach / (1 + m) - found[..., 2])
     second = modulus * a**m * found[..., 4] / slope
-    area, odd = _area(found, a, slope, second, material, table.law)
-    low, high = (6, 7) if table.law == "paper" else (8, 9)
+    area, odd = _area(found, a, slope, second, material, law)
+    low, high = (6, 7) if law == "paper" else (8, 9)
     flags = np.zeros(a.shape, dtype=np.uint8)
     largest = np.maximum(-found[..., low], found[..., high])
     flags[largest > 0.5 * slope * a] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     flags[found[..., high] >= slope * a] |= np.uint8(Flag.CONTOUR_NEGATIVE)
     flags[found[..., 10] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
-    force = first + np.minimum(second, _LIMIT * first) if table.law == "harmonic" else first
-    odd |= (table.law == "harmonic") & (second > _LIMIT * first)
+    force = first + np.minimum(second, _LIMIT * first) if law == "harmonic" else first
+    odd |= (law == "harmonic") & (second > _LIMIT * first)
     flags[odd] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
-    spread = expected_error(first, second, modulus * a**m * found[..., 3] / slope, table.law)
+    spread = expected_error(first, second, modulus * a**m * found[..., 3] / slope, law)
     ratios = np.stack([force / approach ** (p / 2), area / approach])
     k = np.flatnonzero(good >= 4)
     basin = np.pi * (a[k, -1] / _OVERSHOOT) ** 2
@@ -236,14 +238,12 @@ def expected_error(first: Array, resolved: Array, published: Array, law: str) ->
     return np.asarray(_CUBIC * x**1.5 + _QUADRATIC * x * x + _OPERATORS * difference)
 
 
-def tabulate_ritz(
-    profiles: Profiles, material: HalfSpace, *, law: str = "ritz", nodes: int = 24
-) -> LawTable:
+def tabulate_ritz(profiles: Profiles, material: HalfSpace) -> LawTable:
     """Law table of the profiles by free rays inside their basins; see `laws.tabulate`."""
-    levels = np.arange(1, nodes + 1) / nodes
+    levels = np.arange(1, INTERVALS + 1) / INTERVALS
     reach, length, height, out = _march(profiles, material.m, levels, _TABLE_ROUNDS)
     unit = material.modulus * length ** (1 + material.m)
-    table = _no_laws(length.size, nodes, 3 + material.m, law)
+    table = _no_laws(length.size, INTERVALS, 3 + material.m)
     table.reach[:] = reach
     columns = (table.force, unit * height), (table.stiffness, unit), (table.area, length**2)
     for k, (column, scale) in enumerate(columns):

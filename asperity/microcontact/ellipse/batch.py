@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import edge_weights
-from asperity.microcontact.law_table import LawTable
+from asperity.microcontact.law_table import INTERVALS, LawTable
 from surfaces.errors import InputError
 from surfaces.numerics import parallel
 
@@ -39,12 +39,9 @@ from .ellipse_operator import (
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
 
-__all__ = ["TABLE_INTERVALS", "tabulate"]
+__all__ = ["tabulate"]
 
 Array = NDArray[np.float64]
-
-TABLE_INTERVALS = 24
-"""Intervals of a table."""
 
 _TURN = 0.4
 _BELOW, _ABOVE = 10, 6
@@ -79,19 +76,22 @@ _SKEW = np.exp(np.linspace(np.log(0.5), np.log(16.0), 36))
 """Axis ratios of the fitted ellipse over that of the rays; each summit gets the nearest."""
 
 
-def levels_of(nodes: int) -> Array:
-    """Square roots of the approaches relative to the reach at which the law is computed."""
-    below = np.exp(np.linspace(-np.log(nodes), np.log(_TURN), _BELOW))
-    return np.concatenate([below, np.linspace(_TURN, 1.0, _ABOVE + 1)[1:]])
+LEVELS = np.concatenate(
+    [
+        np.exp(np.linspace(-np.log(INTERVALS), np.log(_TURN), _BELOW)),
+        np.linspace(_TURN, 1.0, _ABOVE + 1)[1:],
+    ]
+)
+"""Square roots of the approaches relative to the reach at which the law is computed."""
 
 
-@lru_cache(maxsize=8)
-def _stencils(nodes: int) -> Array:
+@lru_cache(maxsize=1)
+def _stencils() -> Array:
     """Finite-difference weights [width - 1, start, place, k] of the slope over u at level
     start + place, from the `width` levels from `start` on."""
     from ._table_kernels import WIDTH
 
-    u = levels_of(nodes)
+    u = LEVELS
     out = np.zeros((WIDTH, u.size, WIDTH, WIDTH))
     for width in range(1, WIDTH + 1):
         for start in range(u.size - width + 1):
@@ -104,13 +104,12 @@ def _stencils(nodes: int) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _resampling(nodes: int, p: float) -> tuple[Array, Array, NDArray[np.int64], Array]:
-    """Nodes j/nodes, their powers p, the level below each, and the weights of `resampled`."""
-    levels = levels_of(nodes)
-    u = np.arange(1, nodes + 1) / nodes
-    i = np.clip(np.searchsorted(levels, u - 1e-9) - 1, 0, levels.size - 2)
-    h = levels[i + 1] - levels[i]
-    x = (u - levels[i]) / h
+def _resampling(p: float) -> tuple[Array, Array, NDArray[np.int64], Array]:
+    """Nodes j/K, their powers p, the level below each, and the weights of `resampled`."""
+    u = np.arange(1, INTERVALS + 1) / INTERVALS
+    i = np.clip(np.searchsorted(LEVELS, u - 1e-9) - 1, 0, LEVELS.size - 2)
+    h = LEVELS[i + 1] - LEVELS[i]
+    x = (u - LEVELS[i]) / h
     y = 1 - x
     weights = [
         (1 + 2 * x) * y**2, h * x * y**2, x**2 * (3 - 2 * x), -h * x**2 * y,
@@ -180,11 +179,11 @@ def _fit_rules(rays: int) -> tuple[Any, ...]:
 
 
 @lru_cache(maxsize=8)
-def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
+def _rules(m: float, rays: int, samples: int) -> tuple[Any, ...]:
     """Arguments of `fit_rows`, `march_rows` and `tabulate_rows` that depend on m and the grids."""
     table, moments = ellipse_tables(m)
     first, last, count = LOG_RATIO
-    u = levels_of(nodes)
+    u = LEVELS
     punch = np.ascontiguousarray(table[:, (monomials(DEGREE)[0].size + 1) * LANES])
     return (
         _fit_rules(rays),
@@ -194,11 +193,11 @@ def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
             moments,
         ),
         (u * u, 2.0 * np.log(u / np.append(u[0], u[:-1]))),
-        (u, u ** (3 + m), _stencils(nodes)),
+        (u, u ** (3 + m), _stencils()),
         (
             np.ascontiguousarray(_along_rays(m, samples).T),
             (punch, first, (count - 1) / (last - first), _lobes(rays)),
-            _resampling(nodes, 3 + m),
+            _resampling(3 + m),
         ),
     )  # fmt: skip
 
@@ -229,9 +228,7 @@ def _workspace(key: tuple[Any, ...], make: Callable[[], tuple[Any, ...]]) -> tup
     return space
 
 
-def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = TABLE_INTERVALS
-) -> LawTable:
+def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
     """Law table of a batch of profiles about their optimal ellipses; see `laws.tabulate`."""
     from surfaces.numerics.lanes import packed
 
@@ -241,14 +238,14 @@ def tabulate(
 
     n, rays = profiles.phi.shape
     m = material.m
-    fitting, marching, followed, levels, rows = _rules(m, rays, profiles.t.size, nodes)
+    fitting, marching, followed, levels, rows = _rules(m, rays, profiles.t.size)
     samples = (
         packed(profiles.phi), profiles.angle, packed(profiles.weight), profiles.curvature,
         packed(profiles.edge), packed(profiles.q), profiles.valid, rays, profiles.t.size,
     )  # fmt: skip
     reach = np.zeros(n)
-    force, stiffness, area, spread = np.zeros((4, n, nodes + 1))
-    flags, centre = np.zeros((n, nodes + 1), np.uint8), np.zeros((n, nodes + 1, 2))
+    force, stiffness, area, spread = np.zeros((4, n, INTERVALS + 1))
+    flags, centre = np.zeros((n, INTERVALS + 1), np.uint8), np.zeros((n, INTERVALS + 1, 2))
     out = (reach, force, stiffness, area, flags, spread, centre)
     u = levels[0]
     widths = (4 * rays, NESTED_FITS * TERMS, SCALES, u.size * STATES, SHAPE_ROW, LANES)
@@ -262,7 +259,7 @@ def tabulate(
         )
 
     def part(begin: int, end: int) -> None:
-        space, fit_work, march_work, row_work = _workspace((m, rays, profiles.t.size, nodes), made)
+        space, fit_work, march_work, row_work = _workspace((m, rays, profiles.t.size), made)
         for start in range(begin, end, _BLOCK):
             stop = min(start + _BLOCK, end)
             frames, coefs, scales, *rest = (array[: stop - start] for array in space)
@@ -276,6 +273,6 @@ def tabulate(
 
     parallel.run(part, parallel.blocks(n, 32))
     return LawTable(
-        reach, force, stiffness, area, flags, spread, exponent=3 + material.m, law=law,
+        reach, force, stiffness, area, flags, spread, exponent=3 + material.m,
         centre=centre,
     )  # fmt: skip

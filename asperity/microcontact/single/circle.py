@@ -132,7 +132,7 @@ def indent(
     material: HalfSpace,
     approach: Array,
     *,
-    law: str = "harmonic",
+    law: str,
 ) -> Indentation:
     """Solution by the laws "paper" and "harmonic"; see `asperity.indent`."""
     basis = basis_of(profile, material.m)

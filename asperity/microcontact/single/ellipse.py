@@ -237,11 +237,7 @@ def _states(
 
 
 def indent(
-    profile: PowerSumProfile | PolarProfile,
-    material: HalfSpace,
-    approach: Array,
-    *,
-    law: str = "ellipse",
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: Array
 ) -> Indentation:
     """Solution by the law "ellipse"; see `asperity.indent`.
 
@@ -280,7 +276,7 @@ def indent(
     flags[doubtful] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
     return Indentation(
-        law=law,
+        law="ellipse",
         material=material,
         approach=approach,
         force=force,

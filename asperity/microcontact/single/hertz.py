@@ -20,11 +20,7 @@ Array = NDArray[np.float64]
 
 
 def indent(
-    profile: PowerSumProfile | PolarProfile,
-    material: HalfSpace,
-    approach: Array,
-    *,
-    law: str = "hertz",
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: Array
 ) -> Indentation:
     """Hertz contact of the curvatures at the summit; see `asperity.indent`."""
     k1, k2, along = _summit(profile, material.m)
@@ -45,7 +41,7 @@ def indent(
 
     phi = 2 * np.pi * np.arange(180) / 180
     return Indentation(
-        law=law,
+        law="hertz",
         material=material,
         approach=approach,
         force=contact.force,

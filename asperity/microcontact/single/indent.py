@@ -24,7 +24,7 @@ from .indentation import Indentation
 __all__ = ["indent"]
 
 Array = NDArray[np.float64]
-Solver = Callable[..., Indentation]
+Solver = Callable[[PowerSumProfile | PolarProfile, HalfSpace, Array], Indentation]
 Measure = Callable[[Array], tuple[Array, Array]]
 
 _STEPS = 60
@@ -47,11 +47,7 @@ _MEANINGLESS = 0.3
 
 
 def _auto(
-    profile: PowerSumProfile | PolarProfile,
-    material: HalfSpace,
-    approach: Array,
-    *,
-    law: str = "auto",
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: Array
 ) -> Indentation:
     """Solution by the law "auto": at every approach by that of the smaller expected error.
 
@@ -67,7 +63,7 @@ def _auto(
     columns = {name: np.where(take, getattr(first, name), getattr(second, name)) for name in names}
     return replace(
         first,
-        law=law,
+        law="auto",
         **columns,
         contour_function=lambda phi: np.where(
             take[:, None], first.contour_function(phi), second.contour_function(phi)
@@ -82,8 +78,8 @@ def _auto(
 SOLVERS: dict[str, Solver] = {
     "auto": _auto,
     "hertz": hertz.indent,
-    "paper": circle.indent,
-    "harmonic": circle.indent,
+    "paper": partial(circle.indent, law="paper"),
+    "harmonic": partial(circle.indent, law="harmonic"),
     "ellipse": ellipse.indent,
     "ritz": ritz.indent,
 }
@@ -133,14 +129,14 @@ def indent(
     """
     _require_profile(profile)
     require_half_space(material)
+    require_law(law)
     warn_once(modulus_warning(material))
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
-    solve = _solver(law)
     given = _finite(approach if load is None else load, "approach" if load is None else "load")
     if load is not None and np.any(given <= 0):
         raise InputError("load must be positive; give approach for a body that does not touch")
-    elastic = partial(solve, profile, material.elastic, law=law)
+    elastic = partial(SOLVERS[law], profile, material.elastic)
     goal = given.ravel()
     refusal = f"the law {law!r} reaches no {'approach' if load is None else 'load'}"
     if np.isfinite(material.hardness):
@@ -176,13 +172,6 @@ def _yielding(
         first_yield_function=partial(_limit, capped, "yielding", 1.0, first),
         fully_plastic_function=partial(_full, capped, first),
     )
-
-
-def _solver(law: str) -> Solver:
-    require_law(law)
-    if law not in SOLVERS:
-        raise ModelRangeError(f"the law {law!r} works on batches of peaks only")
-    return SOLVERS[law]
 
 
 def _forces(elastic: Callable[[Array], Indentation]) -> Measure:

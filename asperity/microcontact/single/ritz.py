@@ -173,11 +173,7 @@ class _Functional:
 
 
 def indent(
-    profile: PowerSumProfile | PolarProfile,
-    material: HalfSpace,
-    approach: Array,
-    *,
-    law: str = "ritz",
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: Array
 ) -> Indentation:
     """Solution by the law "ritz"; see `asperity.indent`. It has no pressure field."""
     m, depth = material.m, approach
@@ -228,7 +224,7 @@ def indent(
         return np.full((depth.size, r.size), np.nan)
 
     return Indentation(
-        law=law,
+        law="ritz",
         material=material,
         approach=approach,
         force=material.modulus * force,

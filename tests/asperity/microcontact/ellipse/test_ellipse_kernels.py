@@ -15,12 +15,12 @@ from asperity.microcontact.ellipse import _basin_kernels, _fit_kernels, _table_k
 from asperity.microcontact.ellipse._contour_kernels import place
 from asperity.microcontact.ellipse._ellipse_kernels import SHAPE, STATES
 from asperity.microcontact.ellipse.batch import (
+    LEVELS,
     _along_rays,
     _fit_rules,
     _resampling,
     _rules,
     _stencils,
-    levels_of,
 )
 from asperity.microcontact.ellipse.ellipse_operator import monomials
 from surfaces.numerics.lanes import LANES, groups, load, splat, store
@@ -121,7 +121,7 @@ def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, pu
 def _filled(q, weights, weight, direction, edge, levels, m):
     """Planforms of one profile without a trusted contour, unit of q 0.3."""
     rays, nodes = q.shape
-    _, punch, _ = _rules(m, rays, nodes, 24)[-1]
+    _, punch, _ = _rules(m, rays, nodes)[-1]
     out = np.zeros(levels.size * 4 * LANES)
     space = _basin_kernels.basin_space(rays, levels.size)
     own = groups(SHAPE), space
@@ -146,7 +146,7 @@ def test_basins_fill_ray_by_ray():
     edge = RNG.uniform(0.4, 1.0, rays)
     turn = 2 * np.pi * np.arange(rays) / rays
     direction = np.stack([np.cos(turn), np.sin(turn)])
-    levels = levels_of(24)
+    levels = LEVELS
     weights = np.ascontiguousarray(edge_weights(m, nodes, 0).T)
     weight = np.full(rays, 2 * np.pi / rays)
     out = _filled(q, weights, weight, direction, edge, levels, m)
@@ -175,14 +175,14 @@ def _expanded(*given):
 
 def test_slopes_at_the_trusted_levels():
     """F = u^3 times a quartic: exact stiffness at every level, whatever levels are trusted."""
-    levels, p = levels_of(24), 3.0
+    levels, p = LEVELS, 3.0
     poly = np.polynomial.Polynomial([1.0, -0.4, 0.3, 0.2, -0.1])
     state = np.zeros((levels.size, STATES))
     state[:, 0] = levels**p * poly(levels)
     state[:, 3:5] = 1.0
     columns = np.zeros((5, levels.size))
     first, last = 2, 11
-    _expanded(state, 2, 11, levels, levels**p, _stencils(24), p, columns)
+    _expanded(state, 2, 11, levels, levels**p, _stencils(), p, columns)
     exact = 0.5 * levels ** (p - 2) * (p * poly(levels) + levels * poly.deriv()(levels))
     inside = slice(first, last)
     np.testing.assert_allclose(columns[1, inside], exact[inside], rtol=1e-10)
@@ -204,7 +204,7 @@ def shape_on_rays(outline, ratio, m, rays=16):
     radius = np.hypot(x, y)
     direction = np.concatenate((x / radius, y / radius))
     out = np.zeros(4 * LANES)
-    punch = _rules(m, rays, 17, 24)[-1][1]
+    punch = _rules(m, rays, 17)[-1][1]
     _planform(lanes(radius), lanes(weight), lanes(direction), rays, m, punch, out)
     area, stiffness = out.reshape(4, LANES)[:2, 0]
     return stiffness / area ** (0.5 + 0.5 * m)
@@ -253,7 +253,7 @@ def _carried(*given):
 
 def test_planforms_carry_the_contact_on():
     """Beyond the trusted levels: areas scaled where both meet, stiffness and its integral."""
-    levels, p, last, basin = levels_of(24), 3.0, 6, 1.0
+    levels, p, last, basin = LEVELS, 3.0, 6, 1.0
     n = levels.size
     columns = np.zeros((5, n))
     columns[0], columns[1], columns[2] = 0.6 * levels**3, 0.9 * levels, 0.9 * levels**2
@@ -274,8 +274,8 @@ def test_planforms_carry_the_contact_on():
 
 def test_rows_are_hermite_and_convex():
     """Smooth convex input comes back as its Hermite spline; falling secants are lifted."""
-    levels, p = levels_of(24), 3.0
-    rules = _resampling(24, p)
+    levels, p = LEVELS, 3.0
+    rules = _resampling(p)
     u = rules[0]
     columns = np.zeros((5, levels.size))
     s = 1 + 0.2 * levels
