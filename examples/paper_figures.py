@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 
 from asperity import HalfSpace, indent, indent_bem
 from asperity.cli import bodies
-from asperity.comparison.one_contact import Case, judge
+from asperity.comparison.one_contact import LawComparison, compare_laws
 from surfaces import PowerSumProfile, shapes
 
 TURN = np.linspace(0.0, 2 * np.pi, 361)
@@ -47,9 +47,9 @@ class Bench:
         self.settings = settings
         self.case = functools.lru_cache(maxsize=None)(self._case)
 
-    def _case(self, name: str, k: float, m: float, depth: float, grid: int) -> Case:
+    def _case(self, name: str, k: float, m: float, depth: float, grid: int) -> LawComparison:
         material = HalfSpace.from_modulus(1.0, m)
-        return judge(body(name, k), material, depth, laws=self.settings.laws, grid=grid)
+        return compare_laws(body(name, k), material, depth, laws=self.settings.laws, grid=grid)
 
     def rows(self, name: str, k: float = 1.0, m: float = 0.0, depth: float = 1.0) -> list[dict]:
         """One table row per law, with the change of the reference from the coarser grid."""
@@ -103,7 +103,7 @@ class Bench:
         figure.tight_layout()
         self.write(number, rows, figure)
 
-    def _draw(self, axes: Any, case: Case) -> None:
+    def _draw(self, axes: Any, case: LawComparison) -> None:
         reference = case.reference
         assert reference is not None
         scale = float(next(row.solution for row in case.rows if row.solution).radius)

@@ -17,7 +17,7 @@ from .messages import tell
 from .surface_options import add_reading
 
 if TYPE_CHECKING:
-    from asperity.comparison.one_contact import Case
+    from asperity.comparison.one_contact import LawComparison
 
 _FORMS = list(bodies.BODIES)
 
@@ -61,34 +61,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve every contact, print one table each and draw the last."""
-    from asperity.comparison.one_contact import draw_case, judge
+    from asperity.comparison.one_contact import compare_laws, draw_laws
 
     profile, label = _profile(args)
     material = _material(args)
     laws = _laws(args.law)
     targets.require(args, inputs=[args.file] if args.file else [])
     bem = _boundary_elements(args)
-    good, case = True, None
+    good, compared = True, None
     name, values = _driven(args, profile)
     args.document = []
     sign, unit = ("d", "m") if name == "approach" else ("F", "N")
     for value in values:
         driven: dict[str, Any] = {name: value, **bem}
-        case = judge(profile, material, **driven, laws=laws)
+        compared = compare_laws(profile, material, **driven, laws=laws)
         head = f"{label}   m = {material.m:g}   E* = {material.modulus:.6g}"
-        tell(f"{head}   {sign} = {value:.6g} {unit}\n{case.table()}\n")
+        tell(f"{head}   {sign} = {value:.6g} {unit}\n{compared.table()}\n")
         args.document.append(
-            {name: value, "m": material.m, "modulus": material.modulus} | found(case)
+            {name: value, "m": material.m, "modulus": material.modulus} | found(compared)
         )
-        good &= case.reference is None or bool(case.reference.converged)
-        good &= any(row.solution is not None and row.solution.valid for row in case.rows)
-    if args.plot and case is not None:
-        targets.save_figure(draw_case(case, title=label), args.plot)
+        good &= compared.reference is None or bool(compared.reference.converged)
+        good &= any(row.solution is not None and row.solution.valid for row in compared.rows)
+    if args.plot and compared is not None:
+        targets.save_figure(draw_laws(compared, title=label), args.plot)
         tell(f"picture: {args.plot}")
     return 0 if good else 1
 
 
-def found(case: Case) -> dict[str, Any]:
+def found(compared: LawComparison) -> dict[str, Any]:
     """What the laws and the boundary elements tell of one contact."""
     told = ("force", "approach", "contact_area", "error_estimate", "saturated")
     errors = ("force_error", "contour_error", "area_error", "approach_error", "seconds")
@@ -96,9 +96,9 @@ def found(case: Case) -> dict[str, Any]:
         {name: getattr(row.solution, name) for name in told if row.solution is not None}
         | {name: getattr(row, name) for name in errors}
         | {"law": row.law, "reason": row.reason}
-        for row in case.rows
+        for row in compared.rows
     ]
-    bem = case.reference
+    bem = compared.reference
     names = ("force", "approach", "contact_area", "converged")
     return {"laws": laws, "bem": bem and {name: getattr(bem, name) for name in names}}
 
@@ -129,7 +129,7 @@ def _material(args: argparse.Namespace) -> HalfSpace:
 
 
 def _boundary_elements(args: argparse.Namespace) -> dict[str, Any]:
-    """Settings of the boundary elements as arguments of `judge`; no grid is none of them."""
+    """Settings of the boundary elements as arguments of `compare_laws`; no grid is none of them."""
     asked = {name: getattr(args, name) for name in ("grid", "tolerance")}
     given = {name: value for name, value in asked.items() if value is not None}
     if given and not args.bem:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from asperity.bem.single import BemIndentation
 
-__all__ = ["Case", "LawRow", "draw_case", "judge"]
+__all__ = ["LawComparison", "LawRow", "compare_laws", "draw_laws"]
 
 Array = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ _EVERY = tuple(law for law in LAWS if law != "auto")
 
 @dataclass(frozen=True, eq=False)
 class LawRow:
-    """One law on one case; errors [-] are relative to the boundary elements, NaN without them.
+    """One law on one contact; errors [-] are relative to the boundary elements, NaN without them.
 
     Where the law does not hold, the solution is None and `reason` says why. The errors of force
     (e_F), contour (e_a, root mean square over the angle, relative to the mean radius) and area
@@ -55,7 +55,7 @@ class LawRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class LawComparison:
     """One profile at one approach, or one `load` [N], by all laws, beside the boundary elements."""
 
     material: HalfSpace
@@ -115,7 +115,7 @@ def _cells(values: Sequence[float], factor: float, form: str) -> list[str]:
     return [f"{format(factor * float(value), form):>12}" for value in values]
 
 
-def judge(
+def compare_laws(
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
     approach: float | None = None,
@@ -124,7 +124,7 @@ def judge(
     laws: tuple[str, ...] = (),
     grid: int | None = 256,
     tolerance: float = 1e-6,
-) -> Case:
+) -> LawComparison:
     """Solve one contact by the laws, and by boundary elements on `grid` points per axis unless that
     is None.
 
@@ -144,7 +144,7 @@ def judge(
         # its tables of one grading are made once per process: no part of the time of a contact
         indent(PowerLawProfile(2.0, 1.0), material, 1.0, law="ellipse")
     rows = tuple(_row(law, profile, material, driven, reference, edge) for law in laws or _EVERY)
-    return Case(material, load, rows, reference, seconds)
+    return LawComparison(material, load, rows, reference, seconds)
 
 
 def _row(
@@ -176,23 +176,23 @@ def _row(
     )
 
 
-def draw_case(case: Case, *, title: str = "") -> Figure:
+def draw_laws(compared: LawComparison, *, title: str = "") -> Figure:
     """Contours of the laws over the boundary-element contact, and pressure along three rays."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.5, 4.4), layout="constrained")
     plan, rays = figure.subplots(1, 2)
     phi = np.linspace(0, 2 * np.pi, 361)
-    if case.reference is not None:
-        _draw_reference(case.reference, plan)
-    for row in case.rows:
+    if compared.reference is not None:
+        _draw_reference(compared.reference, plan)
+    for row in compared.rows:
         if row.solution is not None:
             edge = row.solution.contour(phi)
             plan.plot(edge * np.cos(phi), edge * np.sin(phi), lw=1.2, label=row.law)
     plan.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=title or "contact boundary")
     drawn = plan.get_legend_handles_labels()  # none where no law has a solution
     plan.legend(*drawn, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4)
-    _draw_rays(case, rays)
+    _draw_rays(compared, rays)
     return figure
 
 
@@ -204,9 +204,9 @@ def _draw_reference(reference: BemIndentation, axes) -> None:  # type: ignore[no
     axes.fill([], [], color="0.85", label="boundary elements")
 
 
-def _draw_rays(case: Case, axes) -> None:  # type: ignore[no-untyped-def]
+def _draw_rays(compared: LawComparison, axes) -> None:  # type: ignore[no-untyped-def]
     """Pressure along 0, 30 and 45 degrees: laws as lines, boundary elements as dots."""
-    solved = [row for row in case.rows if row.solution and np.isfinite(row.solution.radius)]
+    solved = [row for row in compared.rows if row.solution and np.isfinite(row.solution.radius)]
     shown = [row for row in solved if row.law in ("paper", "harmonic")]
     longest = max((float(row.solution.contour(0.0)) for row in shown if row.solution), default=0.0)
     if longest == 0.0:
@@ -222,8 +222,8 @@ def _draw_rays(case: Case, axes) -> None:  # type: ignore[no-untyped-def]
             field_values = row.solution.pressure(x, y) / scale
             label = f"{row.law}, {degrees} deg"
             axes.plot(r, field_values, style, color=color, lw=1.1, label=label)
-            if case.reference is not None and row is shown[-1]:
-                dots = case.reference.pressure(x, y) / scale
+            if compared.reference is not None and row is shown[-1]:
+                dots = compared.reference.pressure(x, y) / scale
                 axes.plot(r[::4], dots[::4], "o", color=color, ms=2.5)
     axes.set(xlabel="r [m]", ylabel="pressure / mean pressure", title="pressure along rays")
     axes.set_ylim(0, 5)
