@@ -16,7 +16,7 @@ from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 from .messages import tell
 from .surface import generator, open_map
 from .surface_options import add_generation
-from .sweep import add_solving_options, add_worker_options, settings_for, workers
+from .sweep import add_solving_options, add_worker_options, settings_for
 
 if TYPE_CHECKING:
     from asperity.distributed.bands import Ensemble
@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     from asperity.distributed.ensemble import ensemble
 
     targets.require(args)
-    members, on = _members(args), workers(args)
+    members = _members(args)
     material, settings = options.material(args), settings_for(args)
     with bar(len(members), "members") as advance:
         found = ensemble(
@@ -81,9 +81,9 @@ def run(args: argparse.Namespace) -> int:
             settings,
             folder=args.output,
             until=args.until,
-            workers=on.count,
-            scheduler=on.scheduler,
-            threads=on.threads,
+            workers=args.workers,
+            scheduler=args.scheduler,
+            threads=args.threads,
             force=args.force,
             progress=advance,
         )

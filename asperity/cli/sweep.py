@@ -23,7 +23,6 @@ from .solve import add_accuracy_options, settings_of
 
 if TYPE_CHECKING:
     from asperity.distributed.jobs import Job
-    from asperity.distributed.pool import Workers
 
 EPILOG = """examples:
   asperity sweep 'scans/*.h5' --E 210GPa 70GPa --hardness 1GPa 2GPa --workers 2 -o sweep/
@@ -101,13 +100,14 @@ def add_solving_options(parser: argparse.ArgumentParser) -> None:
 def add_worker_options(parser: argparse.ArgumentParser) -> None:
     """Options that say where jobs run."""
     group = parser.add_argument_group("workers")
-    group.add_argument(
+    place = group.add_mutually_exclusive_group()
+    place.add_argument(
         "--workers",
         type=quantities.whole("processes"),
         metavar="N",
         help="processes (default: as many as processors)",
     )
-    group.add_argument(
+    place.add_argument(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://node:8786, with its workers"
     )
     group.add_argument(
@@ -119,21 +119,13 @@ def add_worker_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def workers(args: argparse.Namespace) -> Workers:
-    """The workers that the options ask for."""
-    from asperity.distributed.pool import Workers
-
-    if args.workers is not None and args.scheduler is not None:
-        raise InputError("--workers are processes here, and --scheduler has its own: give one")
-    return Workers(args.workers, args.scheduler, args.threads)
-
-
 def run(args: argparse.Namespace) -> int:
     """Run what is not finished, write the index and tell it."""
     from asperity.distributed.jobs import Jobs
+    from asperity.distributed.pool import Workers
     from asperity.distributed.sweep import run_sweep
 
-    folder, on = Path(args.output), workers(args)
+    folder, on = Path(args.output), Workers(args.workers, args.scheduler, args.threads)
     maker = Jobs(folder)
     jobs = [job for one in _expanded(args) for job in _jobs(one, maker)]
     with bar(len(jobs), "jobs") as advance:

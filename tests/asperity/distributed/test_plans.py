@@ -133,6 +133,14 @@ def test_options_of_another_method_are_refused(method, more, capsys):
     assert f"leave out {more[0]}" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["sweep", "ensemble"])
+def test_workers_are_here_or_those_of_a_scheduler(command, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main([command, "scan.h5", "--E", "1", "--workers", "2", "--scheduler", "tcp://node:8786"])
+    err = capsys.readouterr().err
+    assert "--scheduler: not allowed with argument --workers" in err and err.count("\n") == 1
+
+
 def test_loads_of_a_plan_and_of_the_command_line_are_not_both_taken(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("plan.toml").write_text('files = "maps/*.h5"\nE = 1e9\nseparation = "1um"')
