@@ -15,7 +15,7 @@ import asperity
 from asperity.microcontact import laws
 from asperity.model import law_factory
 from asperity.parameters import DEFAULTS, Corrections
-from surfaces import FileFormatError, HeightMap, self_affine
+from surfaces import FileFormatError, HeightMap, PowerLawProfile, self_affine
 
 PAGE = (Path(__file__).resolve().parents[1] / "CONTRIBUTING.md").read_text()
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -49,6 +49,8 @@ def test_a_law_of_the_page_gives_a_curve(monkeypatch):
         )
         assert sphere > 0.0
         assert (abs(sphere / hertz - 1.0) < 1e-3) == equal
+    with pytest.raises(asperity.ModelRangeError, match="'sphere'"):
+        asperity.indent(PowerLawProfile(2.0, 1.0), BODY, 0.01, law="sphere")
 
 
 def test_a_correction_of_the_page_changes_the_laws_that_it_is_for(monkeypatch):
