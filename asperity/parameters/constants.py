@@ -317,16 +317,13 @@ class Parts:
     cover
         Least load on the solved parts, over the load that one row of parts would carry if all
         carried alike [-]: with less the parts do not bound the misfit.
-    long_waves
+    long_waves, part
         Share [-] of the mean square height in waves longer than half a part above which these waves
-        are solved on the whole map.
-    part
-        Part of the correction, and of the change of the load by the waves that parts alone tell of,
-        that may be wrong [-] (root of the squares with the floor).
+        are solved on the whole map. Part of the correction, and of the change of the load by the
+        other waves, that may be wrong [-] (root of the squares with the floor).
     floor, alike, few
-        Bounds of load and area [-] that are added to the standard error of the mean over the parts,
-        `alike` of equal load. For r times fewer parts their squares are (1 + r^`few`)/2 times as
-        large [-].
+        Bounds of load and area [-], added to the standard error of the mean, over `alike` parts of
+        equal load. For r times fewer parts their squares are (1 + r^`few`)/2 times as large [-].
     spare, enough
         Least accuracy over the floor for which parts are tried; bounds over the accuracy at which
         no more parts are solved [-].
