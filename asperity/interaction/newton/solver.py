@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 from dataclasses import replace
 
 import numpy as np
@@ -77,18 +76,17 @@ def descent(
     tilt: Array | None = None,
     load: float | None = None,
     compliance: Array | None = None,
-) -> Generator[NDArray[np.int64], None, Solution]:
+) -> Solution:
     """Minimize the energy of the contacts over non-negative forces.
 
-    Yields the contacts whose laws are missing; the caller makes them and goes on. Returns the
-    solution.
+    Laws that are missing are made on the way (`Laws.make`).
 
     Parameters
     ----------
     separation
         Separation s [m]; a first guess if there is a `load`.
     start
-        Approaches [m] to start from, shape (n,). Laws of positive approaches are made.
+        Approaches [m] to start from, shape (n,).
     tolerance
         Bound on `Solution.residual`; under a `load`, half of it bounds the error of the load.
     aim
@@ -114,14 +112,13 @@ def descent(
     The contact shifts are held during a step, and follow one step behind the forces. The solve ends
     if the residual plus the effect of the last change of the shifts (`State.lag`) is small.
     """
+    problem.laws.make(start > 0)
     tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
     if compliance is None:
         compliance = np.ones(len(start))
     for bound in (tolerance, CLOSER * tolerance):
         # a call of its own, so that the arrays of its last step are freed before `finished`
-        solution = yield from _newton_steps(
-            problem, separation, start, tilt, load, compliance, bound, aim
-        )
+        solution = _newton_steps(problem, separation, start, tilt, load, compliance, bound, aim)
         if load is None or solution.reason:
             return solution
         assert solution.linearized is not None
@@ -142,7 +139,7 @@ def _newton_steps(
     compliance: Array,
     tolerance: float,
     aim: float,
-) -> Generator[NDArray[np.int64], None, Solution]:
+) -> Solution:
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_NEWTON_STEPS if load is None else MAX_LOADED_STEPS
@@ -151,9 +148,7 @@ def _newton_steps(
     last = np.zeros(len(start))
     for step in range(limit + 1):
         state.balance(separation, load is not None)
-        lacking = problem.laws.lacking(state.wanted)
-        if lacking.size:
-            yield lacking
+        problem.laws.make(problem.laws.lacking(state.wanted))
         state.linearize()
         separation = state.separation
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
