@@ -8,7 +8,6 @@ The split length of the Ewald sum says how far near pairs reach, and what is lef
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -30,7 +29,6 @@ __all__ = [
     "chunks",
     "least_cut",
     "near_pairs",
-    "run",
     "split_length",
     "total",
 ]
@@ -143,14 +141,6 @@ def total(
     return np.asarray(parts[0])
 
 
-def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
-    """Call loop(c, rows[c]) for every chunk of rows, on as many threads."""
-    if len(rows) == 1:
-        loop(0, rows[0])
-        return
-    each(lambda c: loop(c, rows[c]), range(len(rows)))
-
-
 class NearPairs(NamedTuple):
     """Pairs of points i < j within a cut-off: the bounds (n, 2) of those of each i, their columns j
     and their distances by y and x, (2, pairs)."""
@@ -178,16 +168,16 @@ def near_pairs(
     col, pair = np.empty(0, np.int32), np.empty((2, 0), np.float32)
     first, number = np.zeros(len(rows), np.int64), np.zeros(len(rows), np.int64)
 
-    def find(c: int, part: NDArray[np.int64]) -> None:
-        place = y, x, start, cells, size, wrap, cut * cut, part, first[c]
+    def find(c: int) -> None:
+        place = y, x, start, cells, size, wrap, cut * cut, rows[c], first[c]
         number[c] = _near_kernels.half_list(*place, ptr, col, pair) - first[c]
 
-    run(find, rows)  # counts them
+    each(find, range(count))  # counts them
     if number.any():
         end = np.cumsum(number + TRAILING_PLACES)
         first[1:] = end[:-1]
         col, pair = np.zeros(end[-1], np.int32), np.zeros((2, end[-1]), np.float32)
-        run(find, rows)
+        each(find, range(count))
     return NearPairs(ptr, col, pair)
 
 

@@ -23,7 +23,6 @@ from .cells import (
     chunks,
     least_cut,
     near_pairs,
-    run,
     split_length,
     total,
 )
@@ -181,7 +180,6 @@ class Interaction:
         near, mesh = each(lambda part: part(), (pairs, meshes))
         self.near: NearPairs = near
         self.mesh: Mesh = mesh[0]
-        self.mesh_aside = self.mesh.single
         self.tangent_mesh: Mesh = mesh[1]
         self.two_level = TwoLevelPreconditioner(
             self.y, self.x, size, self.sides, periodic, footprints
@@ -236,7 +234,7 @@ class Interaction:
         def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
             place = self.y, self.x, force, m, dipole, self.mesh.per_step
             _mesh_kernels.deposit(np.array([0, n]), *place, self.masses, self.aside)
-            return self.mesh.convolve(self.masses), self.mesh_aside.convolve(self.aside)
+            return self.mesh.convolve(self.masses), self.mesh.single.convolve(self.aside)
 
         def near(c: int) -> None:
             _pair_kernels.near_fields(
@@ -252,7 +250,8 @@ class Interaction:
                 self.part[c],
             )
 
-        def receivers(_: int, rows: NDArray[np.int64]) -> None:
+        def receivers(c: int) -> None:
+            rows = self.rows[c]
             place = self.y, self.x, force, m, self.own, self.mesh.per_step
             near = total(self.part, rows)
             _mesh_kernels.gather(rows, *place, self.scales, size, smooth, other, near, found)
@@ -267,7 +266,7 @@ class Interaction:
             (smooth, other), *_ = [part() for part in work]
         frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scales[0]
         self.smooth = SmoothField(*frame, smooth)
-        run(receivers, self.rows)
+        each(receivers, range(len(self.rows)))
         return found
 
     def holds(self, widest: float) -> bool:

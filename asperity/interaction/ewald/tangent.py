@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.numerics.parallel import each
+
 from . import _mesh_kernels, _near_kernels
-from .cells import run, total
+from .cells import total
 from .operator import Interaction
 
 __all__ = ["Tangent"]
@@ -63,7 +65,7 @@ class Tangent:
         self.part = np.empty((len(self.rows), n))
         self._far: tuple[Array, Array] | None = None
 
-        def rows_of(c: int, _: NDArray[np.int64]) -> None:
+        def rows_of(c: int) -> None:
             _mesh_kernels.spline(
                 rows[c],
                 self.index,
@@ -79,7 +81,7 @@ class Tangent:
                 coupling.rows[c], coupling.near, *narrowed, coupling.kernel, self.pairs
             )
 
-        run(rows_of, rows)
+        each(rows_of, range(len(rows)))
 
     def __len__(self) -> int:
         return len(self.index)
@@ -100,12 +102,15 @@ class Tangent:
     def __call__(self, vector: Array) -> Array:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
         out, vector = np.empty(len(vector)), vector / self.coupling.unit
+        chunks = range(len(self.rows))
 
-        def sources(c: int, rows: NDArray[np.int64]) -> None:
+        def sources(c: int) -> None:
+            rows = self.rows[c]
             _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c])
             _near_kernels.near_tangent(rows, *self.pairs, vector, self.part[c])
 
-        def receivers(_: int, rows: NDArray[np.int64]) -> None:
+        def receivers(c: int) -> None:
+            rows = self.rows[c]
             _mesh_kernels.collect(
                 rows,
                 self.place,
@@ -118,7 +123,7 @@ class Tangent:
                 out,
             )
 
-        run(sources, self.rows)
+        each(sources, chunks)
         smooth = self.coupling.tangent_mesh.convolve(total(self.grids))
-        run(receivers, self.rows)
+        each(receivers, chunks)
         return out
