@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .heightmap import HeightMap
-from .numerics.stored_array import Source, windows
+from .numerics.stored_array import Source, sampled_lines, windows
 
 __all__ = [
     "constant",
@@ -44,9 +44,6 @@ on the coarsest of eight measured maps."""
 STRAIGHT_TO = 1e-6
 """Largest second difference of points in line, over the rms height: rounding is below it, waves of
 4 000 points and shorter are above."""
-
-SAMPLED_LINES = 64
-"""Number of lines along each axis whose differences are taken."""
 
 COPY = 0.999
 """Least correlation of a map of copies with itself, moved or mirrored: 0.92 at most on 120 random
@@ -268,7 +265,7 @@ def copied(hm: HeightMap) -> bool:
     of a quarter of the lines to three quarters, and of h(x) h(s - x).
     """
     for axis in (0, 1):
-        waves = np.fft.rfft(_sampled_lines(hm.source, axis), axis=1)
+        waves = np.fft.rfft(sampled_lines(hm.source, axis), axis=1)
         waves[:, 0] = 0.0
         moved, mirrored = (
             np.fft.irfft(power.sum(axis=0), hm.shape[axis])
@@ -281,16 +278,10 @@ def copied(hm: HeightMap) -> bool:
     return False
 
 
-def _sampled_lines(heights: Source, axis: int) -> Array:
-    """Some lines along an axis, shape (lines, points)."""
-    stride = max(1, heights.shape[1 - axis] // SAMPLED_LINES)
-    return heights[::stride] if axis else np.ascontiguousarray(heights[:, ::stride].T)
-
-
 def _kurtosis(heights: Source, axis: int, periodic: bool) -> Iterator[tuple[float, float]]:
     """Kurtosis of the second differences of some lines along an axis, over ever longer distances,
     and the number of independent ones; of distances over which anything changes."""
-    lines = _sampled_lines(heights, axis)
+    lines = sampled_lines(heights, axis)
     count, distance = lines.shape[1], 1
     while distance <= count // LENGTH_OVER_DISTANCE:
         bend = _bend(lines, distance, periodic)

@@ -23,7 +23,15 @@ from surfaces.errors import (
     checked_spacing,
     checked_span,
 )
-from surfaces.numerics.stored_array import Source, array_of, each_block, mapped, windows
+from surfaces.numerics.stored_array import (
+    SAMPLED_LINES,
+    Source,
+    array_of,
+    each_block,
+    mapped,
+    sampled_lines,
+    windows,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,9 +39,6 @@ if TYPE_CHECKING:
     from surfaces.roughness import Roughness
 
 __all__ = ["HeightMap", "require_full", "require_map"]
-
-_LINES = 64
-"""Number of rows that are searched for neighbors of equal height."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,8 +185,7 @@ class HeightMap:
         left as they are.
         """
         hm = self.about_mean
-        step = max(1, len(hm.source) // _LINES)
-        lines, unit = hm.source[::step], 1e-7 * hm.roughness.rms_height
+        lines, unit = sampled_lines(hm.source, 1), 1e-7 * hm.roughness.rms_height
         gap = np.abs(np.diff(lines, axis=1))
         near = (gap <= 0.1 * unit) & (gap > 0.0)
         if np.mean(near) <= 1e-3:
@@ -191,9 +195,9 @@ class HeightMap:
         return hm.replace(heights=rounded)
 
     @functools.cached_property
-    def repeats(self) -> bool:
-        """Whether neighbors of equal height occur on the `_LINES` rows that are searched."""
-        step = max(1, len(self.source) // _LINES)
+    def has_equal_neighbors(self) -> bool:
+        """Whether neighbors of equal height occur on `SAMPLED_LINES` rows."""
+        step = max(1, len(self.source) // SAMPLED_LINES)
         lines, below = self.source[:-1:step], self.source[1::step]
         return bool((lines[:, 1:] == lines[:, :-1]).any() or (lines == below).any())
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import SUMS, compiled, inner
-from surfaces.numerics.stored_array import Source, windows
+from surfaces.numerics.stored_array import Source, sampled_lines, windows
 
 __all__ = ["Roughness", "digits_warning", "line_power", "roughness", "unit_warning"]
 
@@ -20,9 +20,6 @@ Index = NDArray[np.int64]
 
 ROW_BANDS = 32
 """Bands of rows whose highest points are kept."""
-
-_LINES = 64
-"""Number of rows, and of columns, from which the power of the waves of a map is estimated."""
 
 _SLOPES = (1e-6, 10.0)
 """Rms slopes outside which the units may be wrong."""
@@ -298,9 +295,7 @@ def line_power(heights: Source, periodic: bool) -> tuple[Array, Array]:
     from scipy import fft
 
     def along(axis: int) -> Array:
-        count = heights.shape[axis]
-        stride = max(1, heights.shape[1 - axis] // _LINES)
-        lines = heights[::stride] if axis else np.ascontiguousarray(heights[:, ::stride].T)
+        count, lines = heights.shape[axis], sampled_lines(heights, axis)
         if periodic:
             waves = fft.rfft(lines, axis=1)
             squares = np.square(waves.real) + np.square(waves.imag)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from asperity.model.plan import peaks_above
 from asperity.parameters import DEFAULTS
 
-from .parts import parts_along, repeats_itself
+from .parts import parts_along, statistically_homogeneous
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -44,9 +44,9 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
 
 
 def can_anchor(hm: HeightMap, plan: Plan) -> bool:
-    """Whether a few anchors are likely to be enough: on random waves (`repeats_itself`) without a
-    sub-contact law."""
-    return plan.sub_contact_law is None and repeats_itself(hm)
+    """Whether a few anchors are likely to be enough: on a map that is `statistically_homogeneous`,
+    without a sub-contact law."""
+    return plan.sub_contact_law is None and statistically_homogeneous(hm)
 
 
 def cheapest(seconds: dict[str, float]) -> str:

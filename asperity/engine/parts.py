@@ -39,14 +39,14 @@ if TYPE_CHECKING:
     from asperity.trust.verified import Accuracy, Judge, Solved
     from surfaces.heightmap import HeightMap
 
-__all__ = ["can_sample", "parts_along", "repeats_itself", "sampled"]
+__all__ = ["can_sample", "parts_along", "sampled", "statistically_homogeneous"]
 
 Array = NDArray[np.float64]
 
 FITTED = DEFAULTS.parts
 
 
-def repeats_itself(hm: HeightMap) -> bool:
+def statistically_homogeneous(hm: HeightMap) -> bool:
     """Whether a map consists of random waves without a long lay: its contacts are statistically
     alike, so that the misfit is that of a few places and changes slowly with the load."""
     doubts = model_warnings(hm, FITTED.longest_lay)
@@ -73,7 +73,9 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     if law is not None and law.rms[0] < FITTED.coarse * law.rms[1]:
         return False
     enough = min(accuracy.load / FITTED.floor[0], accuracy.area / FITTED.floor[1]) >= FITTED.spare
-    if not (enough and min(hm.shape) >= FITTED.least_points and repeats_itself(hm)) or copied(hm):
+    if not enough or min(hm.shape) < FITTED.least_points:
+        return False
+    if not statistically_homogeneous(hm) or copied(hm):
         return False
     side = parts_along(hm, plan.solved(hm))
     waves = long_waves(hm, plan, side)

@@ -241,11 +241,11 @@ class Decomposition:
 
         The flat top are the points of the basin as high as the highest of the nine pixels about the
         summit. Their mean squared distance r^2 from the summit gives the area 2 pi r^2, since a
-        disc of area A has A/(2 pi). The area is 0 if no neighbors have the same height
-        (`HeightMap.repeats`), and if a law stands for the finest waves, which are random.
+        disc of area A has A/(2 pi). The area is 0 if no neighbors have the same height, and if a
+        law stands for the finest waves, which are random.
         """
         hm, count = self.hm, len(self.summits)
-        if not hm.repeats or self.plan.sub_contact_law is not None:
+        if not hm.has_equal_neighbors or self.plan.sub_contact_law is not None:
             return np.zeros(count)
         row, col = np.divmod(self.summit_pixels(np.arange(count), hm), hm.shape[1])
         around = np.array([-1, 0, 1])

@@ -21,6 +21,7 @@ from surfaces.errors import SurfaceError
 
 __all__ = [
     "BLOCK_BYTES",
+    "SAMPLED_LINES",
     "Blocks",
     "Sections",
     "Source",
@@ -32,6 +33,7 @@ __all__ = [
     "mapped",
     "most_together",
     "rows_around",
+    "sampled_lines",
     "spans",
     "windows",
 ]
@@ -42,6 +44,9 @@ BLOCK_BYTES = 16 << 20
 _SCATTERED = 16
 """Places, far from each other, that a loop over a mapped array touches before it gives back what it
 touched: about each the system maps 64 kB of every row."""
+
+SAMPLED_LINES = 64
+"""Number of lines along an axis from which what holds for all of them is estimated."""
 
 _pages: weakref.WeakSet[mmap.mmap] = weakref.WeakSet()
 _changing = threading.Lock()  # of `_pages`, while they are gone through
@@ -241,6 +246,12 @@ def rows_around(source: Source, top: int, bottom: int, periodic: bool) -> NDArra
     if periodic and (top < 0 or bottom > len(source)):
         return source[np.arange(top, bottom) % len(source)]
     return source[max(top, 0) : min(bottom, len(source))]
+
+
+def sampled_lines(source: Source, axis: int) -> NDArray[Any]:
+    """Some lines of an array along an axis, evenly spread, shape (lines, points)."""
+    stride = max(1, source.shape[1 - axis] // SAMPLED_LINES)
+    return source[::stride] if axis else np.ascontiguousarray(source[:, ::stride].T)
 
 
 def mapped(source: Source) -> NDArray[Any]:

@@ -226,7 +226,7 @@ def _off_mean(place: Array, of: NDArray[np.int64], period: int | None) -> Array:
 
 def flat_share(hm: HeightMap) -> float:
     """Share of the highest points whose eight neighbors have their height."""
-    if not hm.repeats:
+    if not hm.has_equal_neighbors:
         return 0.0
     heights = hm.heights
     top = np.argwhere(heights >= np.quantile(heights, 1.0 - HIGHEST_SHARE))
