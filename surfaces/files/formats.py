@@ -80,10 +80,13 @@ def read(
         raise FileFormatError(f"{path}: no such file")
     if not (path.is_file() or path.is_dir()):
         raise FileFormatError(f"{path}: this is not a file")
-    reader = _read_in_parts if path.is_dir() else _reader(path)
+    reader = None if path.is_dir() else _reader(path)
     try:
-        if reader is _read_in_parts:
-            return _read_in_parts(path, dataset, unit, spacing, rows, columns)
+        if reader is None:
+            from .hdf5 import open as open_hdf5
+
+            with open_hdf5(path, dataset=dataset, unit=unit, spacing=spacing) as file:
+                return file.read(rows, columns)
         hm = reader(path, dataset, unit, spacing)
         if rows is None and columns is None:
             return hm
@@ -159,7 +162,8 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
 
 def _reader(
     path: Path,
-) -> Callable[[Path, str | None, str | None, ArrayLike | None], HeightMap]:
+) -> Callable[[Path, str | None, str | None, ArrayLike | None], HeightMap] | None:
+    """What reads a file whole; None if `SurfaceFile` reads it in parts."""
     try:
         with path.open("rb") as file:
             head = file.read(8)
@@ -169,7 +173,7 @@ def _reader(
         raise FileFormatError(f"{path}: the file is empty")
     suffix = path.suffix.lower()
     if head == _HDF5_SIGNATURE or suffix in _HDF5:
-        return _read_in_parts
+        return None
     from . import arrays, instruments
 
     if head.removeprefix(codecs.BOM_UTF8).startswith(instruments.SDF_SIGNATURES):
@@ -192,17 +196,3 @@ def _reader(
     if words is None:
         return arrays.read_text
     return partial(instruments.read_instrument, hint=f"; as text, {words}" if words else "")
-
-
-def _read_in_parts(
-    path: Path,
-    dataset: str | None,
-    unit: str | None,
-    spacing: ArrayLike | None,
-    rows: tuple[int, int] | None = None,
-    columns: tuple[int, int] | None = None,
-) -> HeightMap:
-    from .hdf5 import open as open_hdf5
-
-    with open_hdf5(path, dataset=dataset, unit=unit, spacing=spacing) as file:
-        return file.read(rows, columns)
