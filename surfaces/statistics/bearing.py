@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap, require_map
 
-from .heights import in_memory, over_present, some_roughness
+from .heights import over_present, some_roughness
 
 __all__ = ["BearingCurve", "bearing_curve"]
 
@@ -159,7 +159,7 @@ def bearing_curve(hm: HeightMap) -> BearingCurve:
     True
     """
     require_map(hm)
-    if not in_memory(hm):
+    if not isinstance(hm.source, np.ndarray):
         return _counted(hm)
     points = np.sort(hm.heights[np.isfinite(hm.heights)])
     points -= points.mean()

@@ -15,21 +15,16 @@ from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import windows
 from surfaces.roughness import Roughness
 
-__all__ = ["height_parameters", "in_memory", "over_present", "some_roughness"]
+__all__ = ["height_parameters", "over_present", "some_roughness"]
 
 Array = NDArray[np.float64]
 Result = TypeVar("Result")
 
 
-def in_memory(hm: HeightMap) -> bool:
-    """Whether the heights of a map are held in memory, all of them."""
-    return isinstance(hm.source, np.ndarray)
-
-
 def over_present(function: Callable[[Array], Result], hm: HeightMap) -> Iterator[Result]:
     """What a function finds in the heights of the points present, of blocks of whole rows in order;
     in threads if the map is on disk."""
-    parts = 1 if in_memory(hm) else parallel.threads()
+    parts = 1 if isinstance(hm.source, np.ndarray) else parallel.threads()
     for _, _, block in windows(hm.source):
         yield from parallel.each(
             lambda rows: function(rows[np.isfinite(rows)]),
