@@ -221,12 +221,8 @@ class Fans:
         parameter = 2.0 * np.pi * np.arange(rays) / rays
         self._cos, self._sin = np.cos(parameter), np.sin(parameter)
 
-    def fill(self, slots: Rows) -> None:
-        """Fill the rows `slots`."""
-        for start in range(0, slots.size, PART):
-            self._fill(slots[start : start + PART])
-
-    def _fill(self, slot: Rows) -> None:
+    def fill(self, slot: Rows) -> None:
+        """Fill the rows `slot`, of `PART` at most."""
         of, peak = self._summits, self._index[slot]
         along, across = self._directions(slot, of.curvature[peak], of.angle[peak])
         k1, k2 = of.curvature[peak].T[:, :, None]

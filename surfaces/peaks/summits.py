@@ -99,7 +99,7 @@ class Summits(SummitArrays):
         rays, nodes = as_count("rays", rays, 4), as_count("nodes", nodes, 4)
         fans = Fans(self, index, rays, nodes)
         near = self.near(index)
-        parallel.run(lambda a, b: fans.fill(near[a:b]), parallel.blocks(len(index), PART))
+        parallel.run(lambda a, b: fans.fill(near[a:b]), parallel.blocks(len(index), PART, PART))
         names = ("x", "y", "height", "curvature", "angle", "pixels", "border", "valid", "owner")
         own: dict[str, Any] = {name: getattr(self, name)[index] for name in names}
         t = np.linspace(0.0, 1.0, nodes)
