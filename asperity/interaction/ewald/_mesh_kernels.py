@@ -69,7 +69,7 @@ def _copy_patch(mesh, lines, first, patch):
 
 
 @compiled(fastmath=SUMS)
-def deposit(rows, y, x, force, variance, dipole, per_step, masses, aside):
+def deposit(y, x, force, variance, dipole, per_step, masses, aside):
     """Spread sources on the meshes `masses` and `aside` (my, mx).
 
     First mesh: forces with half their variance, up to `VARIANCE_CAP`, times the Laplacian; second
@@ -82,7 +82,7 @@ def deposit(rows, y, x, force, variance, dipole, per_step, masses, aside):
     my, mx = masses.shape
     width = np.uint64(mx)
     ny, nx = per_step
-    for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
+    for i in range(np.uint64(y.size)):
         f = force[i]
         if f == 0.0:
             continue

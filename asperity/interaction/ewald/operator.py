@@ -233,7 +233,7 @@ class Interaction:
 
         def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
             place = self.y, self.x, force, m, dipole, self.mesh.per_step
-            _mesh_kernels.deposit(np.array([0, n]), *place, self.masses, self.aside)
+            _mesh_kernels.deposit(*place, self.masses, self.aside)
             return self.mesh.convolve(self.masses), self.mesh.single.convolve(self.aside)
 
         def near(c: int) -> None:
