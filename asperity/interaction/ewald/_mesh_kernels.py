@@ -258,20 +258,3 @@ def convolve(masses, high, wide, transfer, out):
             out[i, mx - 1 - j] = (even - across) + (along - both)
             out[my - 1 - i, j] = (even + across) - (along + both)
             out[my - 1 - i, mx - 1 - j] = (even - across) - (along - both)
-
-
-@compiled()
-def smooth_symbol(qy, qx, along, across, power, table, scale, out):
-    """Product of `along`, `across` and q^-power times the table, read at scale q^power."""
-    last = table.size - 2
-    for a in range(qy.size):
-        for b in range(qx.size):
-            q2 = qy[a] * qy[a] + qx[b] * qx[b]
-            rising = math.sqrt(q2) if power == 1.0 else q2 ** (0.5 * power)
-            place = rising * scale
-            if place >= last + 1 or q2 == 0.0:
-                out[a, b] = 0.0
-                continue
-            c = int(place)
-            share = table[c] + (place - c) * (table[c + 1] - table[c])
-            out[a, b] = along[a] * across[b] * share / rising

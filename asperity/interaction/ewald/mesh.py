@@ -184,20 +184,15 @@ def _periodic_transfer(
     m = footprints.m
     qy = 2 * np.pi * np.fft.fftfreq(shape[0], 1 / shape[0]) / size[0]
     qx = 2 * np.pi * np.fft.rfftfreq(shape[1], 1 / shape[1]) / size[1]
-    transfer = np.empty((shape[0], len(qx)))
+    rising = (np.square(qy)[:, None] + np.square(qx)) ** ((1 - m) / 2)
+    rising[0, 0] = np.inf
     table = _smooth_share(m)
-    along, across = _correction(shape[0]), _correction(shape[1])[: len(qx)]
-    _mesh_kernels.smooth_symbol(
-        qy,
-        qx,
-        along,
-        across,
-        1 - m,
-        table,
-        (len(table) - 1) / HIGHEST_WAVE_NUMBER ** (1 - m),
-        transfer,
-    )
-    transfer[0, 0] = -(0.25 ** ((1 - m) / 2)) / gamma((3 - m) / 2) * along[0] * across[0]
+    place = rising * ((len(table) - 1) / HIGHEST_WAVE_NUMBER ** (1 - m))
+    transfer = np.multiply.outer(_correction(shape[0]), _correction(shape[1])[: len(qx)])
+    mean = -(0.25 ** ((1 - m) / 2)) / gamma((3 - m) / 2) * transfer[0, 0]
+    transfer *= np.interp(place, np.arange(len(table)), table, right=0.0)
+    transfer /= rising
+    transfer[0, 0] = mean
     density = shape[0] * shape[1] / (size[0] * size[1])
     return np.asarray(transfer * (footprints.symbol / footprints.point * density))
 
