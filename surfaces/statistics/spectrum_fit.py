@@ -164,14 +164,10 @@ def _model(
     parameters: NDArray[np.float64], x: NDArray[np.float64], parts: tuple[bool, bool]
 ) -> NDArray[np.float64]:
     """ln C: level at x = 0, the last, and slope of the power law, breaks and the third slope."""
-    level, slope = parameters[0], parameters[1]
-    y: NDArray[np.float64] = level + slope * x
-    if parts[0]:
-        y = np.where(x < parameters[2], level + slope * parameters[2], y)
-    if parts[1]:
-        knee, last = parameters[-2], parameters[-1]
-        y = np.where(x > knee, level + slope * knee + last * (x - knee), y)
-    return y
+    level, slope = parameters[:2]
+    low = parameters[2] if parts[0] else -np.inf
+    high, last = parameters[-2:] if parts[1] else (np.inf, 0.0)
+    return np.asarray(level + slope * np.clip(x, low, high) + last * np.maximum(x - high, 0.0))
 
 
 def _refined(
