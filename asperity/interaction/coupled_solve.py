@@ -75,7 +75,7 @@ def solve_at(
     load = None if pressure is None else pressure * system.nominal_area
     rows, values, growth, spare, rise, listed = start_of(last, separation, pressure, tolerance)
     field = last.field
-    good: tuple[CandidateList, Solution, Array] | None = None
+    good: tuple[CandidateList, Solution] | None = None
     steps = products = 0
     blind, rounded = not last.points, False
     for placed in range(MAX_LISTS + 1):
@@ -121,7 +121,7 @@ def solve_at(
         separation = solution.separation
         current = listed
         if solution.reason and good is not None:
-            current, solution, values = good  # the solution before its points were moved
+            current, solution = good  # the solution before its points were moved
             break
         if solution.reason or placed == MAX_LISTS:
             break
@@ -133,7 +133,7 @@ def solve_at(
         blind = False
         if listed is current:
             break
-        good = None if listed is None else (current, solution, values)
+        good = None if listed is None else (current, solution)
     if solution.reason and _share(system, solution) > CROWDED_AREA:
         reason = (
             f"contacts fill {100 * _share(system, solution):.0f} % of the nominal area and do not "
@@ -142,7 +142,7 @@ def solve_at(
         solution = replace(solution, reason=reason)
     solution = replace(solution, steps=steps, products=products)
     area = current.areas(system, solution)
-    return _state(last.after(solution, current, values), current.index, area, solution)
+    return _state(last.after(solution, current), current.index, area, solution)
 
 
 class Start(NamedTuple):

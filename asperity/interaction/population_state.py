@@ -154,10 +154,10 @@ class Continuation:
         """The continuation for a next solve that makes a new list of candidates."""
         return replace(self, candidates=None, solution=None, slope=self.normal_stiffness)
 
-    def after(self, solution: Solution, candidates: CandidateList, values: Array) -> Continuation:
-        """The continuation with one more point: a solution with its `Point.values`."""
+    def after(self, solution: Solution, candidates: CandidateList) -> Continuation:
+        """The continuation with one more point, a solution for these candidates."""
         pressure = solution.load / self.system.nominal_area
-        point = Point(solution.separation, pressure, candidates.index, values)
+        point = Point(solution.separation, pressure, candidates.index, solution.values)
         heaviest = self.heaviest
         if not solution.reason and (heaviest is None or pressure > heaviest[1]):
             heaviest = solution.separation, pressure

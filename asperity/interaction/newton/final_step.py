@@ -149,9 +149,11 @@ def tangent_response(tangent: Tangent, state: State, compliance: Array) -> tuple
         return 0.0, shares, 0
     # without the growth of the footprints (`State.extra`), which makes the response too soft
     tangent.stiffen(1 / state.stiffness[rows] - tangent.compliance)
-    start = shared(None, compliance, tangent)
     solved = conjugate_gradients(
-        tangent, np.ones(len(rows)), tolerance=RESPONSE_TOLERANCE, start=start
+        tangent,
+        np.ones(len(rows)),
+        tolerance=RESPONSE_TOLERANCE,
+        start=compliance[rows] / tangent.compliance,
     )
     shares[rows] = solved.solution * tangent.compliance
     # x.(1 + residual) is stationary in the solution x: its error is of second order
@@ -163,10 +165,9 @@ def tangent_of(state: State) -> Tangent:
     return Tangent(state.problem.coupling, state.active, state.stiffness, state.extra)
 
 
-def shared(missing: float | None, compliance: Array, tangent: Tangent) -> Array:
-    """Guess of the forces [N] by which the contacts share a `missing` load [N]; if that is None, of
-    the forces per fall of the flat [N/m]. `compliance` is the approach that each contact gains per
-    fall of the flat [-], (n,)."""
+def shared(missing: float, compliance: Array, tangent: Tangent) -> Array:
+    """Guess of the forces [N] by which the contacts share a `missing` load [N]; `compliance` is the
+    approach that each gains per fall of the flat [-], (n,)."""
     shares = compliance[tangent.index] / tangent.compliance
     total = float(shares.sum()) or 1.0  # zero if no contact has a stiffness
-    return shares if missing is None else missing / total * shares
+    return missing / total * shares
