@@ -176,7 +176,7 @@ def tangent_list(rows, near, rank, variance, skew, form, kernel, tangent):
     the first row on, into `tangent`: bounds, columns and values. `near`, `variance`, `skew`, `form`
     and `kernel` are as for `near_fields`."""
     ptr, col, pair = near
-    shape, far, beads, power = kernel
+    table, polynomials, beads, power = kernel
     tptr, tcol, tval = tangent
     s = carray(floats(), (COLUMNS * BLOCK,))
     row = carray(places(), (BLOCK,))
@@ -238,9 +238,9 @@ def tangent_list(rows, near, rank, variance, skew, form, kernel, tangent):
         for k in range(lanes):
             ci = min(variance[np.uint64(row[k])], CAP)
             cj = min(variance[np.uint64(column[k])], CAP)
-            value, bend, cross, _, _ = smooth(dy[k] * dy[k] + dx[k] * dx[k], far, a)
+            value, bend, cross, _, _ = smooth(dy[k] * dy[k] + dx[k] * dx[k], polynomials, a)
             w = s[k + BOTH] * s[k + INVERSE]
-            near = look(shape, 0, w) * s[k + ROOT]
+            near = look(table, 0, w) * s[k + ROOT]
             s[k + VALUE] = near - value - (ci + cj) * bend - ci * cj * cross
         k = np.uint64(0)
         while True:
@@ -255,7 +255,7 @@ def tangent_list(rows, near, rank, variance, skew, form, kernel, tangent):
                     held += np.uint64(1)
                 k += np.uint64(1)
             if held == BLOCK or i == stop:
-                long_pairs(held, listed, away, variance, form, shape, beads, power, lack)
+                long_pairs(held, listed, away, variance, form, table, beads, power, lack)
                 for q in range(held):
                     if lack[3, q] > NEGLIGIBLE:
                         tval[np.uint64(target[q])] += lack[0, q]
@@ -279,15 +279,15 @@ def near_tangent(rows, tptr, tcol, tval, v, out):
 
 
 @compiled()
-def stiffened(far, total, row):
-    """-(1 + G K)^-1 G of the symmetric G = -`far`, in its place, with K = diag(`total`), one spring
-    after another; `row` is scratch."""
+def stiffened(coarse, total, row):
+    """-(1 + G K)^-1 G of the symmetric G = -`coarse`, in its place, with K = diag(`total`), one
+    spring after another; `row` is scratch."""
     count = total.size
     for c in range(count):
-        weight = total[c] / (1.0 - total[c] * far[c, c])
+        weight = total[c] / (1.0 - total[c] * coarse[c, c])
         for k in range(count):
-            row[k] = far[c, k]
+            row[k] = coarse[c, k]
         for e in range(count):
             share = weight * row[e]
             for k in range(count):
-                far[e, k] += share * row[k]
+                coarse[e, k] += share * row[k]

@@ -63,24 +63,24 @@ def within(place, end):
 
 
 @njit(inline="always")
-def look(shape, column, w):
+def look(table, column, w):
     """Column of the table at w in [0, 1], linear between nodes."""
     place = within(w * np.float32(PAIR_NODES), np.float32(PAIR_NODES))
     c = np.int32(place)
-    value, rise = two_floats(shape, np.uint64(column * (PAIR_NODES + 1) + c))
+    value, rise = two_floats(table, np.uint64(column * (PAIR_NODES + 1) + c))
     return value + (place - np.float32(c)) * rise
 
 
 @njit(inline="always")
-def smooth(r2, far, a):
+def smooth(r2, polynomials, a):
     """Columns of `smooth_part`, the Laplacians by their shares in the expansion: f, 1/2 and 1/4 of
     the first two Laplacians, f'/r, and 1/2 of the slope of the first over r."""
-    u = r2 - far[2, 0]
-    edge = far[0, SMOOTH_DEGREE]
-    g2 = far[1, SMOOTH_DEGREE]
+    u = r2 - polynomials[2, 0]
+    edge = polynomials[0, SMOOTH_DEGREE]
+    g2 = polynomials[1, SMOOTH_DEGREE]
     for q in range(1, SMOOTH_DEGREE + 1):
-        edge = edge * u + far[0, SMOOTH_DEGREE - q]
-        g2 = g2 * u + far[1, SMOOTH_DEGREE - q]
+        edge = edge * u + polynomials[0, SMOOTH_DEGREE - q]
+        g2 = g2 * u + polynomials[1, SMOOTH_DEGREE - q]
     two = np.float32(2.0)
     four = np.float32(4.0)
     g1 = -(r2 * g2 + edge) * (ONE / (a + ONE))
@@ -113,7 +113,7 @@ def set_powers(count, s, at, power):
 
 
 @inner(fastmath=FAST)
-def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
+def long_pairs(count, listed, away, wide, form, table, beads, power, lack):
     """What listed pairs of footprints i, j (2, n), `away` (2, n) from each other, lack for not
     being round, into `lack` (4, n): value, gradient by y and x, and by how much their moments
     differ from round ones over R.
@@ -136,8 +136,8 @@ def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
         root = s[k + LONG]
         inverse = s[k + OVER]
         w = s[k + WIDTH] * inverse
-        pull = look(shape, 2, w) * root * inverse
-        s[k + FULL] = -look(shape, 0, w) * root
+        pull = look(table, 2, w) * root * inverse
+        s[k + FULL] = -look(table, 0, w) * root
         s[k + GY] = -pull * away[0, k]
         s[k + GX] = -pull * away[1, k]
         yy = wide[i] * form[0, i] + wide[j] * form[0, j]
@@ -164,8 +164,8 @@ def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
             root = s[k + LONG]
             inverse = s[k + OVER]
             w = s[k + WIDTH] * inverse
-            pull = beads[1, b] * look(shape, 2, w) * root * inverse
-            s[k + FULL] += beads[1, b] * look(shape, 0, w) * root
+            pull = beads[1, b] * look(table, 2, w) * root * inverse
+            s[k + FULL] += beads[1, b] * look(table, 0, w) * root
             s[k + GY] += pull * (away[0, k] + beads[0, b] * s[k + EY])
             s[k + GX] += pull * (away[1, k] + beads[0, b] * s[k + EX])
     for k in range(count):

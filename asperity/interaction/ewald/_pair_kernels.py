@@ -182,7 +182,7 @@ def near_fields(rows, force, record, wide, form, dipole, near, kernel, value_tab
     `value_table`.
     """
     ptr, col, pair = near
-    shape, far, beads, power = kernel
+    table, polynomials, beads, power = kernel
     out[:] = 0.0
     s = carray(floats(), (COLUMNS * BLOCK,))
     d = carray(columns(), (COLUMNS * BLOCK,))
@@ -216,9 +216,9 @@ def near_fields(rows, force, record, wide, form, dipole, near, kernel, value_tab
         for k in range(lanes):
             ci = np.float32(d[k + OWN])
             cj = np.float32(d[k + OTHER])
-            value, bend, cross, pull, turn = smooth(dy[k] * dy[k] + dx[k] * dx[k], far, a)
+            value, bend, cross, pull, turn = smooth(dy[k] * dy[k] + dx[k] * dx[k], polynomials, a)
             inverse = s[k + INVERSE]
-            slope = look(shape, 1, s[k + BOTH] * inverse) * s[k + ROOT] * inverse
+            slope = look(table, 1, s[k + BOTH] * inverse) * s[k + ROOT] * inverse
             s[k + TO_ROW] = slope - (bend + cj * cross if ci < CAP else ZERO)
             s[k + TO_COLUMN] = slope - (bend + ci * cross if cj < CAP else ZERO)
             d[k + PART] = value + (d[k + OWN] + d[k + OTHER]) * bend
@@ -233,7 +233,7 @@ def near_fields(rows, force, record, wide, form, dipole, near, kernel, value_tab
         set_powers(lanes, s, STEEP, power)
         for k in range(lanes):
             inverse = s[k + FLAT]
-            pull = look(shape, 2, s[k + WIDE] * inverse) * s[k + STEEP] * inverse - s[k + BEND]
+            pull = look(table, 2, s[k + WIDE] * inverse) * s[k + STEEP] * inverse - s[k + BEND]
             turn = s[k + CROSS]
             s[k + PULL] = pull
             s[k + PULL_ROW] = pull - np.float32(d[k + OTHER]) * turn
@@ -279,6 +279,6 @@ def near_fields(rows, force, record, wide, form, dipole, near, kernel, value_tab
                 away[1, held] = dx[k]
                 held += np.uint64(1)
         if held > BLOCK // 2 or i == stop:
-            long_pairs(held, listed, away, wide, form, shape, beads, power, lack)
+            long_pairs(held, listed, away, wide, form, table, beads, power, lack)
             _add_long(held, listed, lack, force, dipole, out)
             held = np.uint64(0)

@@ -106,7 +106,7 @@ def split_length(
     floor = least_cut(count, size, periodic, widest, cut)
     reach = max(reach, floor)
     if periodic:
-        return _repeated(reach, floor, NEAREST_IMAGE * min(size)) / cut
+        return _shared_cut(reach, floor, NEAREST_IMAGE * min(size)) / cut
     return max(min(reach, LONGEST_REACH * math.hypot(*size)), floor) / cut
 
 
@@ -122,7 +122,7 @@ def least_cut(
     return min(least, max(affordable, NEAREST_IMAGE * min(size)))
 
 
-def _repeated(wanted: float, least: float, largest: float) -> float:
+def _shared_cut(wanted: float, least: float, largest: float) -> float:
     """The cut-off nearest to that wanted, but no more than the largest, of those that lists share;
     the next one where it is below the least."""
     rungs = max(round(math.log(largest / wanted, CUT_RATIO)), 0)
@@ -241,10 +241,10 @@ class TwoLevelPreconditioner:
         if self.count == 1:
             return np.zeros((1, 1)), np.array([stiffness.sum()])
         total = np.asarray(np.bincount(cell, stiffness, self.count**2), float)
-        far = -self.kernel
+        coarse = -self.kernel
         # LAPACK wakes its own threads for this, which then keep a processor from ours for 30 ms
-        _near_kernels.stiffened(far, total, np.empty(len(total)))
-        return far, total
+        _near_kernels.stiffened(coarse, total, np.empty(len(total)))
+        return coarse, total
 
 
 @lru_cache(maxsize=16)

@@ -314,8 +314,8 @@ def _tables(
     """
     table = pair_table(m).T
     rise = np.diff(table, axis=1, append=table[:, -1:])
-    shape = np.stack((table, rise), axis=-1)
-    value = shape[0].T.copy()
-    far = smooth_polynomials(m, limit)
-    far = np.concatenate((far, np.full((1, far.shape[1]), limit / 2)))
-    return value, shape.astype(np.float32, order="C"), far.astype(np.float32)
+    both = np.stack((table, rise), axis=-1)
+    value = both[0].T.copy()
+    smooth = smooth_polynomials(m, limit)
+    smooth = np.concatenate((smooth, np.full((1, smooth.shape[1]), limit / 2)))
+    return value, both.astype(np.float32, order="C"), smooth.astype(np.float32)

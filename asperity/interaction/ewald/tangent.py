@@ -63,7 +63,7 @@ class Tangent:
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
         self.grids = np.empty((len(self.rows), *coupling.tangent_mesh.shape), np.float32)
         self.part = np.empty((len(self.rows), n))
-        self._far: tuple[Array, Array] | None = None
+        self._coarse: tuple[Array, Array] | None = None
 
         def rows_of(c: int) -> None:
             _mesh_kernels.spline(
@@ -90,14 +90,14 @@ class Tangent:
         """Add `change` [m/N] to the own compliance of the points, shape (len(self),)."""
         self.compliance = self.compliance + change
         self.diagonal = self.diagonal + change / self.coupling.scale
-        self._far = None
+        self._coarse = None
 
     @property
-    def far(self) -> tuple[Array, Array]:
+    def coarse(self) -> tuple[Array, Array]:
         """`TwoLevelPreconditioner.inverse` of the points by their own compliance."""
-        if self._far is None:
-            self._far = self.coupling.two_level.inverse(self.cell, 1 / self.compliance)
-        return self._far
+        if self._coarse is None:
+            self._coarse = self.coupling.two_level.inverse(self.cell, 1 / self.compliance)
+        return self._coarse
 
     def __call__(self, vector: Array) -> Array:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""

@@ -74,12 +74,12 @@ def lag(force, stiffness, tilt, shift, next_shift, moved, gain):
 
 
 @compiled()
-def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
+def aim(last, direction, residual, stiffness, cell, inverse, total, held, scratch):
     """Next conjugate direction, in place: p <- z + (r.z / `last`) p.
 
-    z is the preconditioned residual, z_i = k_i (r_i + far_c) with the cell c of contact i; with
-    `held` its sum is zero. `last` is r.z of the step before. `inverse` and `total` are E and K of
-    `TwoLevelPreconditioner`; `far` (3, cells) is scratch.
+    z is the preconditioned residual, z_i = k_i (r_i + (E P' D^-1 r)_c) with the cell c of contact
+    i; with `held` its sum is zero. `last` is r.z of the step before. `inverse` and `total` are E
+    and K of `TwoLevelPreconditioner`; `scratch` has shape (3, cells).
 
     Returns the sum of k (r - c)^2, the number c, which is the mean of r weighted by k if `held` and
     else zero, and r.z.
@@ -89,44 +89,44 @@ def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     first = 0.0
     whole = 0.0
     for c in range(count):
-        far[1, c] = 0.0
+        scratch[1, c] = 0.0
     for i in range(residual.size):
         moment = stiffness[i] * residual[i]
-        far[1, cell[i]] += moment
+        scratch[1, cell[i]] += moment
         square += moment * residual[i]
     product = square
     response = 0.0
     answer = 0.0
     for c in range(count):
-        first += far[1, c]
+        first += scratch[1, c]
         whole += total[c]
         here = 0.0
         even = 1.0
         for e in range(count):
-            here += inverse[c, e] * far[1, e]
+            here += inverse[c, e] * scratch[1, e]
             even += inverse[c, e] * total[e]
-        product += far[1, c] * here
-        response += far[1, c] + total[c] * here
+        product += scratch[1, c] * here
+        response += scratch[1, c] + total[c] * here
         answer += total[c] * even
-        far[0, c] = here
-        far[2, c] = even
+        scratch[0, c] = here
+        scratch[2, c] = even
     mean = 0.0
     if held:
         shift = response / answer
         for c in range(count):
-            far[0, c] -= shift * far[2, c]
+            scratch[0, c] -= shift * scratch[2, c]
         mean = first / whole
         square = max(square - mean * first, 0.0)
         product = max(product - shift * response, 0.0)
     ratio = product / last
     for i in range(direction.size):
-        direction[i] = stiffness[i] * (residual[i] + far[0, cell[i]]) + ratio * direction[i]
+        direction[i] = stiffness[i] * (residual[i] + scratch[0, cell[i]]) + ratio * direction[i]
     return square, mean, product
 
 
 @compiled()
 def advance(
-    product, direction, image, solution, residual, stiffness, cell, inverse, total, held, far
+    product, direction, image, solution, residual, stiffness, cell, inverse, total, held, scratch
 ):
     """One step of conjugate gradients along `direction`, whose product with the matrix is `image`,
     and the next direction.
@@ -143,5 +143,5 @@ def advance(
     for i in range(solution.size):
         solution[i] += length * direction[i]
         residual[i] -= length * image[i]
-    after = aim(product, direction, residual, stiffness, cell, inverse, total, held, far)
+    after = aim(product, direction, residual, stiffness, cell, inverse, total, held, scratch)
     return True, after

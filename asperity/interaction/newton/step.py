@@ -57,9 +57,9 @@ def conjugate_gradients(
     that of `start`.
     """
     stiffness, cell = 1 / matrix.compliance, matrix.cell
-    inverse, total = matrix.far
-    far = np.empty((3, len(total)))
-    system = stiffness, cell, inverse, total, held, far
+    inverse, total = matrix.coarse
+    scratch = np.empty((3, len(total)))
+    system = stiffness, cell, inverse, total, held, scratch
     solution, residual, count = np.zeros(len(right)), right.copy(), 0
     direction = np.zeros(len(right))
     aim = functools.partial(_newton_kernels.aim, math.inf, direction)

@@ -137,7 +137,7 @@ class Thin:
     """A diagonal matrix of unit springs, of which the last meets hardly any resistance."""
 
     compliance, cell = np.ones(3), np.zeros(3, np.int64)
-    far = np.zeros((1, 1)), np.array([3.0])
+    coarse = np.zeros((1, 1)), np.array([3.0])
 
     def __call__(self, change):
         return change * [1.0, 1.0, 1e-4]
