@@ -17,16 +17,16 @@ from asperity.halfspace.footprint import Footprints, at_origin, pair_table, smoo
 from surfaces.numerics.parallel import each
 
 from . import _mesh_kernels, _near_kernels, _pair_kernels
-from .cells import (
+from .mesh import Mesh, SmoothField, mesh_of
+from .near_pairs import (
     NearPairs,
-    TwoLevelPreconditioner,
     chunks,
     least_cut,
     near_pairs,
     split_length,
     total,
 )
-from .mesh import Mesh, SmoothField, mesh_of
+from .two_level import TwoLevelPreconditioner
 
 __all__ = ["ROUND", "Field", "Interaction"]
 

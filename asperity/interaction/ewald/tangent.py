@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from surfaces.numerics.parallel import each
 
 from . import _mesh_kernels, _near_kernels
-from .cells import total
+from .near_pairs import total
 from .operator import Interaction
 
 __all__ = ["Tangent"]

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from oracles import dense_matrix, periodic_interaction, self_image
 
 from asperity.halfspace.footprint import OUTSIDE_SHARE, Footprints
-from asperity.interaction.ewald.cells import CHEAP_PAIRS, CUT_RATIO
 from asperity.interaction.ewald.mesh import Mesh
+from asperity.interaction.ewald.near_pairs import CHEAP_PAIRS, CUT_RATIO
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
 
@@ -291,3 +291,14 @@ def test_open_summits_at_one_place_have_a_field(m):
     assert all(np.isfinite(part).all() for part in field)
     twins = plan.order.argsort()[[3, 7]]
     assert np.ptp(field.value[twins]) < 1e-12 * np.abs(field.value).max()
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_pairs_and_mesh_grow_with_the_points(boundary):
+    """No faster than their number: a few points or very many."""
+    for count in (4_000, 40_000, 160_000):
+        rng = np.random.default_rng(count)
+        y, x = (rng.uniform(0.0, side, count) for side in CELL)
+        plan = Interaction(y, x, CELL, boundary, Footprints(1.0, 0.0))
+        assert plan.pairs < 10 * count
+        assert np.prod(plan.mesh.shape) < 16 * count

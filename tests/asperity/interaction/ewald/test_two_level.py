@@ -1,4 +1,4 @@
-"""The two-level preconditioner must not change what is solved; near pairs follow the points."""
+"""The two-level preconditioner must not change what is solved."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asperity.halfspace.footprint import Footprints
-from asperity.interaction.ewald import cells as by_cells
+from asperity.interaction.ewald import two_level
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.newton.step import conjugate_gradients
@@ -56,7 +56,7 @@ def test_inverse_is_that_of_forces_which_share_a_displacement_in_each_cell(m, bo
 def test_solves_the_same_in_fewer_products(held, boundary, monkeypatch):
     found = []
     for few in (MANY, MANY + 1):
-        monkeypatch.setattr(by_cells, "FEWEST_POINTS", few)
+        monkeypatch.setattr(two_level, "FEWEST_POINTS", few)
         matrix = tangent(MANY, 0.0, boundary)
         right = 1.0 + np.sin(3 * np.arange(len(matrix)))
         start = 1 / matrix.compliance if held else None
@@ -70,14 +70,3 @@ def test_solves_the_same_in_fewer_products(held, boundary, monkeypatch):
     assert helped.products < 0.8 * plain.products
     size = np.abs(plain.solution).max()
     np.testing.assert_allclose(helped.solution, plain.solution, atol=2e-3 * size)
-
-
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_pairs_and_mesh_grow_with_the_points(boundary):
-    """No faster than their number: a few points or very many."""
-    for count in (4_000, 40_000, 160_000):
-        rng = np.random.default_rng(count)
-        y, x = (rng.uniform(0.0, side, count) for side in CELL)
-        plan = Interaction(y, x, CELL, boundary, Footprints(1.0, 0.0))
-        assert plan.pairs < 10 * count
-        assert np.prod(plan.mesh.shape) < 16 * count
