@@ -78,8 +78,10 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
             loop: Any = own(function)
         finally:
             _config.CACHE_DIR = chosen
-        # kept code with another stamp is not used, and written over
-        loop._cache._cache_file._source_stamp = stamp(Path(function.__code__.co_filename))
+        # kept code with another stamp is not used, and written over; the version is read first, and
+        # the rest names classes of arguments that may have moved since
+        kept = loop._cache._cache_file
+        kept._version = kept._source_stamp = stamp(Path(function.__code__.co_filename))
         _loops.append(loop)
         return loop
 

@@ -187,6 +187,20 @@ def test_changed_constants_of_another_file_are_not_those_of_the_kept_code(tmp_pa
     assert printed(call, tmp_path / "kept") == "2.0 Counter()"
 
 
+def test_kept_code_whose_arguments_are_of_a_class_that_has_moved_is_not_read(tmp_path):
+    """As after an update of the package: the kept index names the module of the class."""
+    pair = "from typing import NamedTuple\n\n\nclass Pair(NamedTuple):\n    one: float\n"
+    loop = "from surfaces.numerics.compiled import compiled\n\nfrom .{} import Pair\n\n\n"
+    loop += "@compiled()\ndef first(pair):\n    return pair.one\n"
+    call = f"import sys; sys.path.insert(0, {str(tmp_path.parent)!r});"
+    call += f"from {tmp_path.name}.loops import Pair, first; print(first(Pair(1.0)))"
+    for module in ("pairs", "couples"):
+        (tmp_path / "pairs.py").unlink(missing_ok=True)
+        (tmp_path / f"{module}.py").write_text(pair)
+        (tmp_path / "loops.py").write_text(loop.format(module))
+        assert printed(call, tmp_path / "kept") == "1.0"
+
+
 def printed(code, folder):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(
