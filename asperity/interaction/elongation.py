@@ -62,10 +62,7 @@ class Elongation:
     ) -> Elongation:
         """Elongation of contacts on summits with principal curvatures [1/m], shape (n, 2), the
         larger first, and directions of the long axis [rad], (n,)."""
-        steep, shallow = curvature.T
-        flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
-        ratio = np.clip(flatness, 1e-6, 1.0) ** -ASPECT_EXPONENT
-        ratio = np.minimum(ratio, bounds.aspect)
+        ratio = np.minimum(aspect_ratio(curvature), bounds.aspect)
         along, across = _axes(footprints.power, ratio, bounds.aspect)
         squared = np.maximum(1 - ratio**-2, 1e-9)  # e^2, the argument of SciPy's integrals
         k, e = ellipk(squared), ellipe(squared)
@@ -85,9 +82,10 @@ class Elongation:
 
 
 def aspect_ratio(curvature: Array) -> Array:
-    """Short over long axis of Hertz contacts on summits of curvatures [1/m], shape (n, 2)."""
+    """Long over short axis of Hertz contacts on summits of curvatures [1/m], shape (n, 2)."""
     steep, shallow = curvature.T
-    return np.asarray(np.clip(shallow / steep, 1e-3, 1.0) ** ASPECT_EXPONENT)
+    flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
+    return np.asarray(np.clip(flatness, 1e-6, 1.0) ** -ASPECT_EXPONENT)
 
 
 def _axes(power: float, ratio: Array, largest: float) -> tuple[Array, Array]:

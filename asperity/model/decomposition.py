@@ -206,7 +206,7 @@ class Decomposition:
     @functools.cached_property
     def aspect(self) -> Array:
         """Short over long axis of the contact on each summit, shape (n,)."""
-        return aspect_ratio(self.summits.curvature)
+        return 1 / aspect_ratio(self.summits.curvature)
 
     @functools.cached_property
     def passes(self) -> tuple[NDArray[np.int32], Array]:

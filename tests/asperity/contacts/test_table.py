@@ -30,7 +30,7 @@ def test_outlines_follow_the_shape_at_their_depth(m, error):
             summit,
             np.array([depth]),
             np.array([float(one.contact_area)]),
-            aspect_ratio(summit.curvature),
+            1 / aspect_ratio(summit.curvature),
             m,
         )
         assert np.sqrt(np.mean((radii[0] / one.contour(turn) - 1) ** 2)) < error
