@@ -15,7 +15,7 @@ from asperity.halfspace.load_points import pressure_scale
 from asperity.interaction import candidates as module
 from asperity.interaction import population as population_module
 from asperity.interaction.candidates import PAIR_LIST_SKIN
-from asperity.interaction.ewald import cells
+from asperity.interaction.ewald import near_pairs
 from asperity.model.decomposition import Decomposition
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -28,7 +28,7 @@ def light():
     size = (96.0, 96.0)
     hm = surfaces.self_affine((96, 96), size, hurst=0.8, rms_slope=0.1, cutoff=3.0, seed=2)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cells, "CHEAP_PAIRS", 0)
+        patch.setattr(near_pairs, "CHEAP_PAIRS", 0)
         run = solve_contacts(hm, BODY, pressures=3e-3 * pressure_scale(hm, BODY))
     population = run.decomposition.population
     last = run.points[0].state.continuation
