@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,11 @@ from .candidates import CandidateList
 from .population_state import Continuation, PopulationState
 
 if TYPE_CHECKING:
+    from asperity.interaction.newton.state import Problem
+
     from .contact_system import ContactSystem
 
-__all__ = ["CROWDED_AREA", "Start", "solve_at", "start_of"]
+__all__ = ["CROWDED_AREA", "Start", "descend", "solve_at", "start_of"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -101,7 +103,7 @@ def solve_at(
             )
             start = better if math.isfinite(float(better.sum())) else start
         bound = max(tolerance, FIRST_TOLERANCE) if blind else tolerance
-        found = descent(
+        found = descend(
             listed.problem,
             separation,
             start,
@@ -184,6 +186,18 @@ def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:
     known = np.zeros((len(values), count))
     known[:, rows] = values
     return known.take(index, axis=1)  # in C order, the layout that the loops are compiled for
+
+
+def descend(problem: Problem, separation: float, start: Array, **settings: Any) -> Solution:
+    """Run `descent`, with its arguments, and make the laws that it asks for."""
+    problem.laws.make(start > 0)
+    steps = descent(problem, separation, start, **settings)
+    while True:
+        try:
+            problem.laws.make(next(steps))
+        except StopIteration as end:
+            found: Solution = end.value
+            return found
 
 
 def _share(system: ContactSystem, solution: Solution) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from dataclasses import replace
 
 import numpy as np
@@ -76,17 +77,18 @@ def descent(
     tilt: Array | None = None,
     load: float | None = None,
     compliance: Array | None = None,
-) -> Solution:
+) -> Generator[NDArray[np.int64], None, Solution]:
     """Minimize the energy of the contacts over non-negative forces.
 
-    Laws that are missing are made on the way (`Laws.make`).
+    Yields the contacts whose laws are missing; the caller makes them and goes on. Returns the
+    solution.
 
     Parameters
     ----------
     separation
         Separation s [m]; a first guess if there is a `load`.
     start
-        Approaches [m] to start from, shape (n,).
+        Approaches [m] to start from, shape (n,). Laws of positive approaches are made.
     tolerance
         Bound on `Solution.residual`; under a `load`, half of it bounds the error of the load.
     aim
@@ -112,13 +114,14 @@ def descent(
     The contact shifts are held during a step, and follow one step behind the forces. The solve ends
     if the residual plus the effect of the last change of the shifts (`State.lag`) is small.
     """
-    problem.laws.make(start > 0)
     tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
     if compliance is None:
         compliance = np.ones(len(start))
     for bound in (tolerance, CLOSER * tolerance):
         # a call of its own, so that the arrays of its last step are freed before `finished`
-        solution = _newton_steps(problem, separation, start, tilt, load, compliance, bound, aim)
+        solution = yield from _newton_steps(
+            problem, separation, start, tilt, load, compliance, bound, aim
+        )
         if load is None or solution.reason:
             return solution
         assert solution.linearized is not None
@@ -139,7 +142,7 @@ def _newton_steps(
     compliance: Array,
     tolerance: float,
     aim: float,
-) -> Solution:
+) -> Generator[NDArray[np.int64], None, Solution]:
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_NEWTON_STEPS if load is None else MAX_LOADED_STEPS
@@ -148,7 +151,9 @@ def _newton_steps(
     last = np.zeros(len(start))
     for step in range(limit + 1):
         state.balance(separation, load is not None)
-        problem.laws.make(problem.laws.lacking(state.wanted))
+        lacking = problem.laws.lacking(state.wanted)
+        if lacking.size:
+            yield lacking
         state.linearize()
         separation = state.separation
         missing = 0.0 if load is None else load - float(state.laws.force.sum())

@@ -9,11 +9,11 @@ from strategies import random_population
 
 import asperity
 from asperity.halfspace.footprint import Footprints
+from asperity.interaction.coupled_solve import descend
 from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton import solver
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.solver import descent
 from asperity.interaction.newton.state import Problem
 from asperity.interaction.population import Population
 from asperity.parameters import DEFAULTS
@@ -145,7 +145,7 @@ def test_a_turned_scene_carries_the_same():
             True,
             long.rows(plan.order),
         )
-        solution = descent(problem, 0.01, np.zeros(len(y)), tolerance=1e-4)
+        solution = descend(problem, 0.01, np.zeros(len(y)), tolerance=1e-4)
         assert not solution.reason
         loads.append(solution.laws.force.sum())
     assert loads[0] == pytest.approx(loads[1], rel=2e-3)

@@ -8,10 +8,10 @@ from oracles import HertzTable, free_interaction
 from strategies import random_population
 
 from asperity.halfspace.footprint import Footprints
+from asperity.interaction.coupled_solve import descend
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import contact_shifts, widened
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.solver import descent
 from asperity.interaction.newton.state import Problem, State
 from asperity.parameters import DEFAULTS
 
@@ -121,7 +121,7 @@ def test_deflection_raises_the_load(m):
     plan = Interaction(y, x, CELL, "periodic", f, widest=f.variance(table.stiffness[:, -1]).max())
     laws = Laws(table, f).rows(plan.order)
     still, moving = (
-        descent(
+        descend(
             Problem(height[plan.order], laws, plan, contact_shift),
             0.01,
             np.zeros(196),
