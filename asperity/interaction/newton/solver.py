@@ -17,11 +17,12 @@ __all__ = ["descent"]
 
 MAX_NEWTON_STEPS = 60
 MAX_LOADED_STEPS = 30
-"""Newton steps under a load before the separation is searched for instead."""
+"""Newton steps under a load, from a prediction, before the separation is searched for instead."""
 
 MAX_LONG_STEPS = 24
-"""Newton steps with elongated footprints before round ones are taken instead: long footprints can
-overlap so far that their approximate sum has no solution, or several."""
+"""Newton steps with elongated footprints, from a prediction, before round ones are taken instead:
+long footprints can overlap so far that their approximate sum has no solution, or several. From a
+guess some need twice as many."""
 
 MAX_CUTS = 20
 """Halvings of a Newton step in the line search: shorter steps still lower the energy, but settle
@@ -146,7 +147,10 @@ def _newton_steps(
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_NEWTON_STEPS if load is None else MAX_LOADED_STEPS
-    limit = limit if problem.elongation is None else MAX_LONG_STEPS
+    if aim < 1.0:
+        limit = MAX_NEWTON_STEPS
+    elif problem.elongation is not None:
+        limit = MAX_LONG_STEPS
     products, reason, held, share = 1, "", None, EARLY_RELAXATION
     last = np.zeros(len(start))
     for step in range(limit + 1):
