@@ -261,8 +261,8 @@ def copied(hm: HeightMap) -> bool:
 
     Notes
     -----
-    Of sampled lines along each axis; the correlations are sums over x of h(x) h(x + s), with shifts
-    of a quarter of the lines to three quarters, and of h(x) h(s - x).
+    The correlations are sums over x of h(x) h(x + s), for shifts s from a quarter of the length to
+    three quarters, and of h(x) h(s - x), over some lines along each axis.
     """
     for axis in (0, 1):
         waves = np.fft.rfft(sampled_lines(hm.source, axis), axis=1)

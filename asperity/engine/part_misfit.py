@@ -212,7 +212,8 @@ def _pooled(
     -----
     The mean of a sample of a finite population, with weights w that sum to W over the sample:
     standard error s (sum w^2 (1 - W))^(1/2) / W, unbiased variance s^2 = (sum w d^2 / W) /
-    (1 - sum w^2 / W^2) (Cochran 1977, Sampling techniques, ch. 2).
+    (1 - sum w^2 / W^2) (Cochran 1977, Sampling techniques, ch. 2). The bounds hold `alike`^(1/2)
+    = 2 standard errors.
     """
     known = np.isfinite(found).all(axis=-1)
     weights = np.where(known, shares, 0.0)

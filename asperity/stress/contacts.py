@@ -111,14 +111,12 @@ def _depths() -> Iterator[Case]:
 
 
 def _of_a_map() -> Iterator[Case]:
-    """Laws of all contacts of a map are tables, which are long: light contacts are their begin."""
+    """Laws of the contacts of a map are tables: light contacts stand at their begin."""
     for m in (-0.99, -0.9, -0.5, 0.0, 0.5, 0.99):
         for depth in (1e-8, 1e-5, 1e-2):
             for law in LAWS:
-                name, judge = (
-                    f"m = {m}, approach of {depth:g} radii",
-                    partial(_by_table, m, depth, law),
-                )
+                name = f"m = {m}, approach of {depth:g} radii"
+                judge = partial(_by_table, m, depth, law)
                 yield Case("ball on a map", name, f"law {law}", "closed form", judge)
 
 

@@ -94,7 +94,8 @@ def descent(
         Bound on `Solution.residual`; under a `load`, half of it bounds the error of the load.
     aim
         Share of the tolerance that the steps aim at: they end there, or within the tolerance when
-        their number is reached.
+        their number is reached. Below 1, for a `start` that is a guess, they may be
+        `MAX_NEWTON_STEPS`, whatever the footprints and the load.
     tilt
         Gradients [-] that the contact shifts start from, shape (n, 2); None: zero.
     load
@@ -146,11 +147,11 @@ def _newton_steps(
 ) -> Generator[NDArray[np.int64], None, Solution]:
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
-    limit = MAX_NEWTON_STEPS if load is None else MAX_LOADED_STEPS
-    if aim < 1.0:
-        limit = MAX_NEWTON_STEPS
-    elif problem.elongation is not None:
+    limit = MAX_NEWTON_STEPS
+    if aim == 1.0 and problem.elongation is not None:
         limit = MAX_LONG_STEPS
+    elif aim == 1.0 and load is not None:
+        limit = MAX_LOADED_STEPS
     products, reason, held, share = 1, "", None, EARLY_RELAXATION
     last = np.zeros(len(start))
     for step in range(limit + 1):
