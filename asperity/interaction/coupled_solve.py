@@ -38,10 +38,6 @@ SPARE_CANDIDATES_OF_LOAD = 1.05
 MAX_LISTS = 8
 """Largest number of new lists at one separation, deeper ones or ones for moved contacts."""
 
-FIRST_AIM = 0.2
-"""Share of the tolerance that a solve aims at which starts from no other point. One that does is
-predicted from it, and mostly ends well within the tolerance: alone, a load is to agree with it."""
-
 FIRST_TOLERANCE = 0.1
 """Tolerance of the very first solve: its candidates and their centres are guessed."""
 
@@ -109,7 +105,6 @@ def solve_at(
             start,
             tilt=values[2:4].T,
             tolerance=bound,
-            aim=1.0 if blind or last.points else FIRST_AIM,
             load=load,
             compliance=np.where(values[4] > 0, values[4], 1.0),
         )

@@ -31,6 +31,12 @@ LARGE_LIST = 20_000
 MAX_DOUBLINGS = 100
 """Doublings of the depth in the search for the separation of independent contacts."""
 
+LIGHTER_LOAD, LIGHTER_DEPTH = 0.5, 0.8
+"""Share of the load, or of the depth below the highest summit, at which a solve without an earlier
+state begins. Footprints that overlap have several states: from a guess 3 of 24 maps found another
+one than in a curve (at up to 0.5 of the stated error in load, 1.3 at a separation), and some none
+with elongated footprints. From half the load the difference is 0.16 at most, in less time."""
+
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
 
@@ -94,7 +100,8 @@ class Population(ContactSystem):
         pressure
             Load over nominal area [Pa], in place of the separation.
         state
-            A state of this population at a near separation, to start from.
+            A state of this population at a near separation, to start from. None: one at a lighter
+            load is solved first.
         tolerance
             Bound on the residual, and on the relative error of the mean pressure.
         heaviest
@@ -121,10 +128,18 @@ class Population(ContactSystem):
         if separation is not None:
             if not math.isfinite(as_number("separation", separation)):
                 raise InputError(f"separation must be finite, got {separation!r} m")
+            depth = self.highest - float(separation)
+            if state is None and self.interaction and depth > 0:
+                lighter = solve_at(last, self.highest - LIGHTER_DEPTH * depth, tolerance)
+                last = lighter.continuation if lighter.converged else last
             return self._judged(solve_at(last, float(separation), tolerance))
         pressure = as_number("pressure", pressure)
         if not 0 <= pressure < math.inf:
             raise InputError(f"pressure must be finite and not negative, got {pressure:g} Pa")
+        if state is None and self.interaction and pressure > 0:
+            lighter = solve_under(last, LIGHTER_LOAD * pressure, tolerance, None)
+            if lighter.converged:
+                last, state = lighter.continuation, lighter
         if heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])

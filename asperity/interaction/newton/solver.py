@@ -17,12 +17,11 @@ __all__ = ["descent"]
 
 MAX_NEWTON_STEPS = 60
 MAX_LOADED_STEPS = 30
-"""Newton steps under a load, from a prediction, before the separation is searched for instead."""
+"""Newton steps under a load before the separation is searched for instead."""
 
 MAX_LONG_STEPS = 24
-"""Newton steps with elongated footprints, from a prediction, before round ones are taken instead:
-long footprints can overlap so far that their approximate sum has no solution, or several. From a
-guess some need twice as many."""
+"""Newton steps with elongated footprints before round ones are taken instead: long footprints can
+overlap so far that their approximate sum has no solution, or several."""
 
 MAX_CUTS = 20
 """Halvings of a Newton step in the line search: shorter steps still lower the energy, but settle
@@ -74,7 +73,6 @@ def descent(
     start: Array,
     *,
     tolerance: float,
-    aim: float = 1.0,
     tilt: Array | None = None,
     load: float | None = None,
     compliance: Array | None = None,
@@ -92,10 +90,6 @@ def descent(
         Approaches [m] to start from, shape (n,). Laws of positive approaches are made.
     tolerance
         Bound on `Solution.residual`; under a `load`, half of it bounds the error of the load.
-    aim
-        Share of the tolerance that the steps aim at: they end there, or within the tolerance when
-        their number is reached. Below 1, for a `start` that is a guess, they may be
-        `MAX_NEWTON_STEPS`, whatever the footprints and the load.
     tilt
         Gradients [-] that the contact shifts start from, shape (n, 2); None: zero.
     load
@@ -122,7 +116,7 @@ def descent(
     for bound in (tolerance, CLOSER * tolerance):
         # a call of its own, so that the arrays of its last step are freed before `finished`
         solution = yield from _newton_steps(
-            problem, separation, start, tilt, load, compliance, bound, aim
+            problem, separation, start, tilt, load, compliance, bound
         )
         if load is None or solution.reason:
             return solution
@@ -143,14 +137,13 @@ def _newton_steps(
     load: float | None,
     compliance: Array,
     tolerance: float,
-    aim: float,
 ) -> Generator[NDArray[np.int64], None, Solution]:
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_NEWTON_STEPS
-    if aim == 1.0 and problem.elongation is not None:
+    if problem.elongation is not None:
         limit = MAX_LONG_STEPS
-    elif aim == 1.0 and load is not None:
+    elif load is not None:
         limit = MAX_LOADED_STEPS
     products, reason, held, share = 1, "", None, EARLY_RELAXATION
     last = np.zeros(len(start))
@@ -165,7 +158,7 @@ def _newton_steps(
         error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)
         closed = int(np.count_nonzero(state.approach))
         few = 1.0 if load is None else min(1.0, closed / AVERAGING_CONTACTS)
-        if error <= aim * few * tolerance and wrong <= 0.5 * tolerance:
+        if error <= few * tolerance and wrong <= 0.5 * tolerance:
             break
         if load is not None and not state.active.any():
             reason = "no contact is left to carry the load"

@@ -195,7 +195,7 @@ def test_no_spot_bears_more_than_the_hardness(scales):
     )
     for i, load in enumerate(loads):
         spots, pressure = run.spots(i), run.pressure_map(i)
-        assert pressure.mean() == pytest.approx(load, rel=1e-6)
+        assert pressure.mean() == pytest.approx(load, rel=1e-5)
         assert pressure.max() <= hardness
         assert spots["force"].sum() == pytest.approx(run.curve.load[i])
         assert spots["area"].sum() == pytest.approx(run.curve.contact_area[i])
