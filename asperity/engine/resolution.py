@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from asperity.bem.curve import SolvedLoad, bem_curve
 from asperity.bem.memory import fits
-from asperity.halfspace.load_points import Boundary
+from asperity.halfspace.load_points import Boundary, closed_share
 from asperity.halfspace.material import HalfSpace
 from asperity.parameters import DEFAULTS
 from surfaces.checks import resolution_warning, seam_warning, straight_warning
@@ -29,6 +29,7 @@ __all__ = [
     "LightestLoad",
     "Resolution",
     "narrow_share",
+    "opened_share",
     "representative_part",
     "resolution",
 ]
@@ -106,24 +107,54 @@ def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
     return float(pixels[4 * pixels < FITTED.narrow * perimeter].sum() / max(pixels.sum(), 1))
 
 
+def opened_share(hm: HeightMap, material: HalfSpace, point: SolvedLoad, *, periodic: bool) -> float:
+    """Share of the contact at a load point that waves too short for the pixels are expected to
+    open.
+
+    Notes
+    -----
+    Taking heights two pixels apart in place of one loses the squared slope (second difference over
+    2 dx)^2 along each axis (`checks.fineness`), here its mean over the contact: what touches may be
+    rougher than the map. The contact pressure closes waves of this slope like random roughness
+    (`closed_share`). A graded body resists waves of two pixels with E_m* (dx/pi)^m.
+    """
+    place, resisted = np.nonzero(point.contact), 0.0
+    for axis, (length, spacing) in enumerate(zip(hm.shape, hm.spacing, strict=True)):
+        # at the border of a free map the bend of the line beside it is taken
+        middle = place[axis] if periodic else np.clip(place[axis], 1, max(length - 2, 0))
+        three = (middle + np.array([[-1], [0], [1]])) % length
+        beside = place[1 - axis]
+        lower, at, upper = hm.heights[(three, beside) if axis == 0 else (beside, three)]
+        slope = (lower - 2.0 * at + upper) / (2.0 * spacing)
+        modulus = material.modulus * (spacing / math.pi) ** material.m
+        resisted += modulus**2 * float(np.mean(slope**2))
+    pressure = point.mean_pressure / float(point.contact.mean())
+    return 1.0 - closed_share(pressure / math.sqrt(resisted)) if resisted > 0.0 else 0.0
+
+
 def resolution(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, lightest: LightestLoad, heaviest: float
 ) -> Resolution:
     """Resolution of a curve from its `lightest` load point to its `heaviest` mean pressure [Pa].
 
     One or two of its loads are solved on a grid twice as fine. No finer grid is solved if the
-    waves of the map end well above its pixels and few contacts are narrow: the least uncertainty is
-    stated.
+    waves of the map end well above its pixels, where it touches, too, and few contacts are narrow:
+    the least uncertainty is stated.
     """
     point = lightest.point
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
-    share = narrow_share(point.contact, periodic=boundary == "periodic")
+    periodic = boundary == "periodic"
+    share = narrow_share(point.contact, periodic=periodic)
+    opened = opened_share(hm, material, point, periodic=periodic)
     narrow, tile = f"contacts narrower than {FITTED.narrow:g} pixels", FITTED.tile
-    held = f"{narrow} hold {share:.0%} of the lightest contact"
+    held = (
+        f"{narrow} hold {share:.0%} of the lightest contact, of which waves of less than two "
+        f"pixels would open {opened:.0%}"
+    )
     least = DEFAULTS.pixel_waves.to_the_pixel
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
-    if share < FITTED.doubtful and not broken:
+    if share < FITTED.doubtful and opened <= FITTED.floor[1] and not broken:
         return Resolution(*FITTED.floor, held)
     part = representative_part(hm)
     finer = resample(part, np.asarray(part.spacing) / 2)

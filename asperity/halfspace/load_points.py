@@ -20,6 +20,7 @@ __all__ = [
     "area_over_pressure",
     "checked_loads",
     "chosen_boundary",
+    "closed_share",
     "default_pressures",
     "expected_area_fraction",
     "known_boundary",
@@ -113,15 +114,23 @@ def area_over_pressure(hm: HeightMap, material: HalfSpace) -> float:
 
 
 def expected_area_fraction(hm: HeightMap, material: HalfSpace, pressure: float) -> float:
-    """Forecast of the area fraction at a mean pressure [Pa], at most 1.
-
-    The form of Persson (2001), erf(sqrt(pi)/2 x), where x is the area fraction of light loads
-    (`area_over_pressure`) extrapolated to this pressure; at least p/H.
-    """
+    """Forecast of the area fraction at a mean pressure [Pa], at most 1: that of light loads
+    (`area_over_pressure`), extrapolated to this pressure; at least p/H."""
     if pressure_scale(hm, material) == 0.0:
         return 1.0
     light = area_over_pressure(hm, material) * pressure
-    return max(math.erf(0.5 * math.sqrt(math.pi) * light), min(pressure / material.hardness, 1.0))
+    return max(_extrapolated(light), min(pressure / material.hardness, 1.0))
+
+
+def closed_share(pressure: float) -> float:
+    """Forecast of the area fraction of elastic random roughness at a mean pressure over E* h'."""
+    return _extrapolated(AREA_OVER_LOAD * pressure)
+
+
+def _extrapolated(light: float) -> float:
+    """Area fraction, of that by the proportionality of light loads: erf(sqrt(pi)/2 x) (Persson
+    2001)."""
+    return math.erf(0.5 * math.sqrt(math.pi) * light)
 
 
 def checked_loads(

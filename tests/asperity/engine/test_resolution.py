@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +11,8 @@ import pytest
 import surfaces
 from asperity import HalfSpace, bem_curve, solve
 from asperity.engine import resolution
-from asperity.engine.resolution import FITTED, narrow_share
-from asperity.halfspace.load_points import default_pressures
+from asperity.engine.resolution import FITTED, narrow_share, opened_share
+from asperity.halfspace.load_points import closed_share, default_pressures
 
 BODY = HalfSpace.from_modulus(1.0)
 
@@ -48,6 +49,15 @@ def ridges() -> surfaces.HeightMap:
     return fine.replace(heights=heights + 0.1 * fine.heights / fine.rms_height)
 
 
+def blocks() -> surfaces.HeightMap:
+    """Tops rougher than the map, between grooves whose walls hold most of the slope."""
+    fine = waves(6.0)
+    y, x = np.meshgrid(*2 * ((np.arange(128) + 0.5) / 128,), indexing="ij")
+    walls = (np.tanh(5.0 * (np.abs(np.sin(np.pi * turns)) - 0.25)) for turns in (5 * y, 4 * x))
+    heights = 2.0 * np.minimum(sum(walls), 1.6)
+    return fine.replace(heights=heights + 0.05 * fine.heights / fine.rms_height)
+
+
 def difference(hm, loads):
     """Largest differences in load and area to the map on a grid twice as fine."""
     own = bem_curve(hm, BODY, pressures=loads, tolerance=1e-5)
@@ -60,8 +70,8 @@ def difference(hm, loads):
 
 @pytest.mark.parametrize(
     "make",
-    [lambda: waves(None, 256), wrapped, clipped, ridges],
-    ids=["pixel", "cliff", "clip", "ridges"],
+    [lambda: waves(None, 256), wrapped, clipped, ridges, blocks],
+    ids=["pixel", "cliff", "clip", "ridges", "blocks"],
 )
 def test_uncertainty_covers_the_finer_grid(make):
     hm = make()
@@ -107,6 +117,25 @@ def test_share_of_narrow_contacts():
     contact[:, 7] = True  # a ridge is as narrow as it is long
     assert narrow_share(contact, periodic=True) == narrow_share(contact, periodic=False) == 1.0
     assert narrow_share(~contact, periodic=True) == 0.0
+
+
+@pytest.mark.parametrize("m", [0.0, 0.3])
+def test_share_that_short_waves_open(m):
+    """Waves of two pixels, pressed by half the pressure that flattens them; none in a plane."""
+    dy, dx, pressed = 2e-6, 3e-6, np.zeros((8, 10), bool)
+    pressed[:, :4] = True  # up to two borders of a free map
+    body = HalfSpace.from_modulus(1e9, m)
+    waves_of_two = np.tile([1e-8, -1e-8], (8, 5))
+    flattens = 1e9 * (dx / np.pi) ** m * 2e-8 / dx
+    point = SimpleNamespace(contact=pressed, mean_pressure=0.5 * flattens * pressed.mean())
+    for heights, periodic, expected in (
+        (waves_of_two, True, 1.0 - closed_share(0.5)),
+        (waves_of_two, False, 1.0 - closed_share(0.5)),
+        (np.add.outer(np.arange(8.0), np.arange(10.0)), False, 0.0),
+    ):
+        hm = surfaces.HeightMap(heights, (dy, dx), periodic=periodic)
+        share = opened_share(hm, body, point, periodic=periodic)
+        assert share == pytest.approx(expected, abs=1e-12)
 
 
 def test_a_contact_without_elastic_energy_is_answered():
