@@ -56,11 +56,14 @@ class SolvedLoad:
         Pixels under pressure, shape (ny, nx).
     reason
         Why the point did not converge, else "".
+    hm
+        The map that was solved, about its mean.
     """
 
     columns: Mapping[str, float]
     contact: NDArray[np.bool_]
     reason: str
+    hm: HeightMap
 
     @property
     def mean_pressure(self) -> float:
@@ -231,7 +234,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     }
     if math.isfinite(problem.finest.cap):
         columns |= answer_of_hardness(problem, solution)
-    return SolvedLoad(columns, contact, solution.reason)
+    return SolvedLoad(columns, contact, solution.reason, problem.hm)
 
 
 def _curve(

@@ -26,8 +26,8 @@ from surfaces.preparation.resampling import resample
 
 __all__ = [
     "UNTOLD",
-    "LightestLoad",
     "Resolution",
+    "SolvedLoads",
     "narrow_share",
     "opened_share",
     "representative_part",
@@ -72,24 +72,40 @@ UNTOLD = Resolution(float("nan"), float("nan"), "nothing was solved by boundary 
 """Resolution of a curve without boundary elements."""
 
 
-class LightestLoad:
-    """Progress function of boundary elements that keeps the lightest load point under load.
+class SolvedLoads:
+    """Progress function of boundary elements that keeps what resolution needs of the load points.
 
     Calls `progress` with every point; calls from several threads follow each other.
+
+    Attributes
+    ----------
+    lightest
+        The lightest load point under load; None before any.
+    opened
+        Largest `opened_share` of a load point, and minus its mean pressure [Pa].
     """
 
-    def __init__(self, progress: Callable[[SolvedLoad], object] | None = None) -> None:
-        self.progress = progress
-        self.point: SolvedLoad | None = None
+    def __init__(
+        self,
+        material: HalfSpace,
+        boundary: Boundary,
+        progress: Callable[[SolvedLoad], object] | None = None,
+    ) -> None:
+        self.material, self.periodic, self.progress = material, boundary == "periodic", progress
+        self.lightest: SolvedLoad | None = None
+        self.opened = 0.0, 0.0
         self._turn = threading.Lock()
 
     def __call__(self, point: SolvedLoad) -> None:
         with self._turn:
             if self.progress is not None:
                 self.progress(point)
-            lightest = self.point is None or point.mean_pressure < self.point.mean_pressure
-            if lightest and point.mean_pressure > 0.0:
-                self.point = point
+            if point.mean_pressure <= 0.0:
+                return
+            share = opened_share(point, self.material, periodic=self.periodic)
+            self.opened = max(self.opened, (share, -point.mean_pressure))
+            if self.lightest is None or point.mean_pressure < self.lightest.mean_pressure:
+                self.lightest = point
 
 
 def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
@@ -107,7 +123,7 @@ def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
     return float(pixels[4 * pixels < FITTED.narrow * perimeter].sum() / max(pixels.sum(), 1))
 
 
-def opened_share(hm: HeightMap, material: HalfSpace, point: SolvedLoad, *, periodic: bool) -> float:
+def opened_share(point: SolvedLoad, material: HalfSpace, *, periodic: bool) -> float:
     """Share of the contact at a load point that waves too short for the pixels are expected to
     open.
 
@@ -118,7 +134,7 @@ def opened_share(hm: HeightMap, material: HalfSpace, point: SolvedLoad, *, perio
     rougher than the map. The contact pressure closes waves of this slope like random roughness
     (`closed_share`). A graded body resists waves of two pixels with E_m* (dx/pi)^m.
     """
-    place, resisted = np.nonzero(point.contact), 0.0
+    hm, place, resisted = point.hm, np.nonzero(point.contact), 0.0
     for axis, (length, spacing) in enumerate(zip(hm.shape, hm.spacing, strict=True)):
         # at the border of a free map the bend of the line beside it is taken
         middle = place[axis] if periodic else np.clip(place[axis], 1, max(length - 2, 0))
@@ -133,24 +149,23 @@ def opened_share(hm: HeightMap, material: HalfSpace, point: SolvedLoad, *, perio
 
 
 def resolution(
-    hm: HeightMap, material: HalfSpace, boundary: Boundary, lightest: LightestLoad, heaviest: float
+    hm: HeightMap, material: HalfSpace, boundary: Boundary, solved: SolvedLoads, heaviest: float
 ) -> Resolution:
-    """Resolution of a curve from its `lightest` load point to its `heaviest` mean pressure [Pa].
+    """Resolution of a curve from the lightest of the `solved` loads to its `heaviest` mean pressure
+    [Pa].
 
-    One or two of its loads are solved on a grid twice as fine. No finer grid is solved if the
+    One to three of its loads are solved on a grid twice as fine. No finer grid is solved if the
     waves of the map end well above its pixels, where it touches, too, and few contacts are narrow:
     the least uncertainty is stated.
     """
-    point = lightest.point
+    point, (opened, softest) = solved.lightest, solved.opened
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
-    periodic = boundary == "periodic"
-    share = narrow_share(point.contact, periodic=periodic)
-    opened = opened_share(hm, material, point, periodic=periodic)
+    share = narrow_share(point.contact, periodic=solved.periodic)
     narrow, tile = f"contacts narrower than {FITTED.narrow:g} pixels", FITTED.tile
     held = (
-        f"{narrow} hold {share:.0%} of the lightest contact, of which waves of less than two "
-        f"pixels would open {opened:.0%}"
+        f"{narrow} hold {share:.0%} of the lightest contact, waves of less than two pixels would "
+        f"open {opened:.0%} of a contact"
     )
     least = DEFAULTS.pixel_waves.to_the_pixel
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
@@ -163,7 +178,7 @@ def resolution(
     # the heaviest load is left out: it takes longest and differs least
     # (docs/development/verification.md)
     middle = math.sqrt(point.mean_pressure * max(heaviest, point.mean_pressure))
-    loads = np.unique([point.mean_pressure, middle])
+    loads = np.unique([point.mean_pressure, middle, -softest or middle])
     loads = np.minimum(loads, material.hardness)  # by rounding a solved load may exceed it
     load, area = np.maximum(FITTED.floor, _apart(part, finer, material, boundary, loads)).tolist()
     if math.isnan(load + area):

@@ -30,7 +30,7 @@ from surfaces.errors import as_number
 
 from .cost import can_anchor, cheapest, forecast
 from .parts import can_sample, sampled
-from .resolution import UNTOLD, LightestLoad, Resolution, resolution
+from .resolution import UNTOLD, Resolution, SolvedLoads, resolution
 
 if TYPE_CHECKING:
     from asperity.model.plan import Plan
@@ -150,14 +150,9 @@ def solve(
     kind, given = checked_loads(hm, material, pressures, separations)
     values, place = np.unique(given, return_inverse=True)  # equal loads are solved once
     with reported(progress, None, "boundary elements") as tell:
-        scene = _Scene(
-            hm,
-            material,
-            kind,
-            chosen_boundary(hm, boundary),
-            judge or bem_curve,
-            LightestLoad(tell),
-        )
+        border = chosen_boundary(hm, boundary)
+        solved = SolvedLoads(material, border, tell)
+        scene = _Scene(hm, material, kind, border, judge or bem_curve, solved)
         clock = _Clock(begun)
         choice = scene.choice(values, engine, bool(verify), asked)
         known = scene_warnings(hm, material) if choice.plan is None else choice.plan.warnings
@@ -226,14 +221,14 @@ class _Clock:
 @dataclass(frozen=True)
 class _Scene:
     """Map, material, kind of load points and boundary; `judge` solves them by boundary elements,
-    and `lightest` keeps the lightest point that it solved."""
+    and `solved` keeps what `resolution` needs of them."""
 
     hm: HeightMap
     material: HalfSpace
     kind: str
     boundary: Boundary
     judge: Callable[..., ContactCurve]
-    lightest: LightestLoad
+    solved: SolvedLoads
 
     def loads(self, values: Array) -> dict[str, Any]:
         """Load points as a keyword argument: `pressures` or `separations`."""
@@ -297,7 +292,7 @@ class _Scene:
                 return None
             return verified(self.hm, run.curve, *scene, judge, asked)
         whole = judge if self.fits else None
-        return sampled(self.hm, choice.plan, run, *scene, whole, asked, self.lightest)
+        return sampled(self.hm, choice.plan, run, *scene, whole, asked, self.solved)
 
     def exact(self, values: Array, accuracy: tuple[float, float]) -> ContactCurve:
         """Boundary elements on the grid of the map, within errors of load and area."""
@@ -307,20 +302,20 @@ class _Scene:
             **self.loads(values),
             accuracy=accuracy,
             boundary=self.boundary,
-            progress=self.lightest,
+            progress=self.solved,
         )
         return _marked(found, True)
 
     def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
         """Resolution of a curve (`engine.resolution`)."""
         pressure = curve.mean_pressure
-        if self.lightest.point is None and (pressure > 0.0).any():  # all were solved before
+        if self.solved.lightest is None and (pressure > 0.0).any():  # all were solved before
             if not self.fits:
                 return UNTOLD
             first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
             self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
         heaviest = float(pressure[curve.converged].max(initial=0.0))
-        return resolution(self.hm, self.material, self.boundary, self.lightest, heaviest)
+        return resolution(self.hm, self.material, self.boundary, self.solved, heaviest)
 
 
 def _marked(curve: ContactCurve, anchor: bool) -> ContactCurve:

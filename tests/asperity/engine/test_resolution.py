@@ -58,6 +58,14 @@ def blocks() -> surfaces.HeightMap:
     return fine.replace(heights=heights + 0.05 * fine.heights / fine.rms_height)
 
 
+def hill_above_blocks() -> surfaces.HeightMap:
+    """A smooth hill bears the lightest loads; heavier ones reach blocks that are rough."""
+    low = blocks()
+    y, x = np.indices(low.shape) - 64.0
+    hill = low.heights.max() + 1.0 - (x**2 + y**2) / 400.0
+    return low.replace(heights=np.maximum(low.heights, hill))
+
+
 def difference(hm, loads):
     """Largest differences in load and area to the map on a grid twice as fine."""
     own = bem_curve(hm, BODY, pressures=loads, tolerance=1e-5)
@@ -70,8 +78,8 @@ def difference(hm, loads):
 
 @pytest.mark.parametrize(
     "make",
-    [lambda: waves(None, 256), wrapped, clipped, ridges, blocks],
-    ids=["pixel", "cliff", "clip", "ridges", "blocks"],
+    [lambda: waves(None, 256), wrapped, clipped, ridges, blocks, hill_above_blocks],
+    ids=["pixel", "cliff", "clip", "ridges", "blocks", "hill"],
 )
 def test_uncertainty_covers_the_finer_grid(make):
     hm = make()
@@ -127,14 +135,15 @@ def test_share_that_short_waves_open(m):
     body = HalfSpace.from_modulus(1e9, m)
     waves_of_two = np.tile([1e-8, -1e-8], (8, 5))
     flattens = 1e9 * (dx / np.pi) ** m * 2e-8 / dx
-    point = SimpleNamespace(contact=pressed, mean_pressure=0.5 * flattens * pressed.mean())
+    load = 0.5 * flattens * pressed.mean()
     for heights, periodic, expected in (
         (waves_of_two, True, 1.0 - closed_share(0.5)),
         (waves_of_two, False, 1.0 - closed_share(0.5)),
         (np.add.outer(np.arange(8.0), np.arange(10.0)), False, 0.0),
     ):
         hm = surfaces.HeightMap(heights, (dy, dx), periodic=periodic)
-        share = opened_share(hm, body, point, periodic=periodic)
+        point = SimpleNamespace(hm=hm, contact=pressed, mean_pressure=load)
+        share = opened_share(point, body, periodic=periodic)
         assert share == pytest.approx(expected, abs=1e-12)
 
 
@@ -155,9 +164,9 @@ def test_a_load_that_does_not_converge_on_a_finer_grid_leaves_an_unknown_part_op
 
     hm = waves(None)
     loads = default_pressures(hm, BODY, 3)
-    lightest = resolution.LightestLoad()
-    bem_curve(hm, BODY, pressures=loads[:1], progress=lightest)
+    solved = resolution.SolvedLoads(BODY, "periodic")
+    bem_curve(hm, BODY, pressures=loads[:1], progress=solved)
     monkeypatch.setattr(resolution, "bem_curve", stalled)
-    found = resolution.resolution(hm, BODY, "periodic", lightest, loads[-1])
+    found = resolution.resolution(hm, BODY, "periodic", solved, loads[-1])
     assert np.isnan([found.load, found.area]).all()
     assert "did not converge" in found.told_by and "an unknown part" in found.warnings[0]
