@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from .numerics import parallel
 from .numerics.compiled import compiled, inner
@@ -23,19 +25,16 @@ def label_patches(
     that meet at a corner if `corners`.
     """
     labels, count = _components(mask, 8 if corners else 4)
-    joined = _across_seam(labels, corners) if periodic else {}
-    if joined:
-        first = np.arange(count)
-        for label, lower in sorted(joined.items()):
-            first[label] = first[lower]
-        labels = (np.cumsum(first == np.arange(count), dtype=np.int32) - 1)[first][labels]
-    return labels, count - 1 - len(joined)
+    if periodic:
+        count, group = _across_seam(labels, count, corners)
+        labels = group[labels]
+    return labels, count - 1
 
 
 def count_patches(mask: NDArray[np.bool_], *, periodic: bool) -> int:
     """Number of the patches of a mask that `label_patches` finds."""
     labels, count = _components(mask, 8)
-    return count - 1 - len(_across_seam(labels, True) if periodic else ())
+    return (_across_seam(labels, count, True)[0] if periodic else count) - 1
 
 
 def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int32], int]:
@@ -48,27 +47,25 @@ def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int
     return np.asarray(labels, np.int32), count
 
 
-def _across_seam(labels: NDArray[np.int32], corners: bool) -> dict[int, int]:
-    """A lower label of the same patch for each label of which the seam hides that it has one.
+def _across_seam(
+    labels: NDArray[np.int32], count: int, corners: bool
+) -> tuple[int, NDArray[np.int32]]:
+    """Number of patches, with the background, of `count` of which the seam cuts some, and the new
+    label of each.
 
     Lines of pixels on both sides of the seam meet as they lie, and moved along each other by a
     pixel if corners join.
     """
-    lower: dict[int, int] = {}
+    pairs = []
     for first, last in (labels[0], labels[-1]), (labels[:, 0], labels[:, -1]):
         round_end = np.concatenate((last[-1:], last, last[:1]))
-        starts = (0, 1, 2) if corners else (1,)
-        own = np.tile(first, len(starts))
-        other = np.concatenate([round_end[start:][: len(first)] for start in starts])
-        apart = (own > 0) & (other > 0) & (own != other)
-        for a, b in zip(own[apart].tolist(), other[apart].tolist(), strict=True):
-            while a in lower:
-                a = lower[a]
-            while b in lower:
-                b = lower[b]
-            if a != b:
-                lower[max(a, b)] = min(a, b)
-    return lower
+        for start in (0, 1, 2) if corners else (1,):
+            pairs.append((first, round_end[start:][: len(first)]))
+    one, other = np.concatenate(pairs, axis=1)
+    met = (one > 0) & (other > 0)
+    weights = np.ones(np.count_nonzero(met))
+    links = coo_array((weights, (one[met], other[met])), shape=(count, count))
+    return connected_components(links, directed=False)  # type: ignore[no-any-return]
 
 
 def points_at(
