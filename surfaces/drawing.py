@@ -23,10 +23,10 @@ __all__ = [
     "figure_height",
     "image",
     "logarithmic",
+    "prefixed_unit",
     "shown_shape",
-    "suited",
     "thinning",
-    "told",
+    "with_unit",
 ]
 
 PICTURE_SIDE = 1200
@@ -57,7 +57,7 @@ def draw_field(
         from matplotlib import pyplot
 
         axes = pyplot.subplots(layout="constrained")[1]
-    scale, unit = suited(float(np.nanmax(np.abs(values))), unit)
+    scale, unit = prefixed_unit(float(np.nanmax(np.abs(values))), unit)
     shown = averaged(values, PICTURE_SIDE) / scale
     low, high = color_range(shown)
     look: dict[str, Any] = {"cmap": "cividis", "vmin": low, "vmax": high, "aspect": "equal"}
@@ -132,15 +132,15 @@ def image(figure: Figure) -> str:
     return f'<img alt="" src="data:image/png;base64,{data}">'
 
 
-def suited(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
+def prefixed_unit(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
     """SI units in the unit with the prefix that suits a quantity, and its name.
 
     The `largest` magnitude is given in the SI unit to its power: 2 for an area, 3 for a volume.
 
     Examples
     --------
-    >>> from surfaces.drawing import suited
-    >>> suited(3.2e-6, "m"), suited(5e7, "Pa"), suited(4e-11, "m", 2)
+    >>> from surfaces.drawing import prefixed_unit
+    >>> prefixed_unit(3.2e-6, "m"), prefixed_unit(5e7, "Pa"), prefixed_unit(4e-11, "m", 2)
     ((1e-06, 'µm'), (1000000.0, 'MPa'), (1e-12, 'µm²'))
     """
     usable = math.isfinite(largest) and largest != 0.0
@@ -149,17 +149,17 @@ def suited(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
     return 10.0 ** (exponent * power), _PREFIXES[exponent] + unit + {2: "²", 3: "³"}.get(power, "")
 
 
-def told(value: float, unit: str, power: int = 1, digits: int = 3) -> str:
+def with_unit(value: float, unit: str, power: int = 1, digits: int = 3) -> str:
     """A quantity with the prefix that suits it; a dash where it is no number.
 
     Examples
     --------
-    >>> from surfaces.drawing import told
-    >>> told(5.04e7, "Pa"), told(9.99e-7, "m", 2), told(float("nan"), "Pa")
+    >>> from surfaces.drawing import with_unit
+    >>> with_unit(5.04e7, "Pa"), with_unit(9.99e-7, "m", 2), with_unit(float("nan"), "Pa")
     ('50.4 MPa', '999000 µm²', '–')
     """
     if not math.isfinite(value):
         return "–"
     rounded = float(f"{value:.{digits}g}")
-    factor, name = suited(rounded, unit, power)
+    factor, name = prefixed_unit(rounded, unit, power)
     return f"{rounded / factor:.12g} {name}"  # no power of ten beside an area

@@ -21,7 +21,7 @@ from surfaces.statistics.correlation import THRESHOLD, Autocorrelation
 from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 
-from .drawing import figure_height, suited, thinning
+from .drawing import figure_height, prefixed_unit, thinning
 from .errors import InputError, as_count
 from .heightmap import HeightMap, require_map
 
@@ -134,7 +134,7 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     for place, index in enumerate(indices):
         axes = figure.add_subplot(rows, columns, place + 1)
         lengths = profiles.t * profiles.edge[index][:, None]
-        scale, unit = suited(float(gap[index].max()), "m")
+        scale, unit = prefixed_unit(float(gap[index].max()), "m")
         turn = (profiles.phi[index] - profiles.angle[index]) % (2.0 * np.pi)
         for ray, angle in enumerate(turn):
             color = _ray_color(float(angle))
@@ -167,7 +167,7 @@ def plot_bearing(curve: BearingCurve) -> Figure:
     """
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
     axes = figure.add_subplot()
-    scale, unit = suited(float(np.abs(curve.height).max()), "m")
+    scale, unit = prefixed_unit(float(np.abs(curve.height).max()), "m")
     axes.plot(100.0 * curve.ratio, curve.height / scale, color=_INK, lw=1.6)
     core = curve.core()
     for ratio in (core["Smr1"], core["Smr2"]):

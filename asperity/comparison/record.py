@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import ContactCurve, read_results
 from asperity.results.storage import ResultFile, write_results
-from surfaces.drawing import told
+from surfaces.drawing import with_unit
 from surfaces.heightmap import HeightMap
 
 __all__ = ["PARETO_TYPE", "ComparisonRecord"]
@@ -94,12 +94,12 @@ class ComparisonRecord:
     def verdict(self) -> str:
         """What a reader wants to know first, in three sentences."""
         row, ours = self.table[self.map_point], self.pareto[0]
-        text = f"At a mean pressure of {told(row['mean_pressure'], 'Pa')}, "
+        text = f"At a mean pressure of {with_unit(row['mean_pressure'], 'Pa')}, "
         for name, of in (("boundary elements", "bem"), ("microcontact model", "model")):
             if math.isfinite(row[f"area_{of}"]):
                 text += (
                     f"{100 * row[f'area_{of}']:.3g} % of the nominal area touches at a separation "
-                    f"of {told(row[f'separation_{of}'], 'm')} ({name}). "
+                    f"of {with_unit(row[f'separation_{of}'], 'm')} ({name}). "
                 )
                 break
         else:
@@ -107,7 +107,7 @@ class ComparisonRecord:
         if self.elastic is not None and self.elastic.converged[self.map_point]:
             share = 100 * self.elastic.area_fraction[self.map_point]
             text += (
-                f"Without the hardness of {told(self.about['hardness'], 'Pa')} it would be "
+                f"Without the hardness of {with_unit(self.about['hardness'], 'Pa')} it would be "
                 f"{share:.3g} % (microcontact model). "
             )
         judged = int(np.count_nonzero(np.isfinite(self.table["area_error"])))

@@ -21,7 +21,7 @@ try:  # the interface of zlib, and twice as fast
 except ImportError:
     import zlib as _deflate  # type: ignore[no-redef]
 
-__all__ = ["FILTERS", "chunk_of", "ours", "packed", "unpacked"]
+__all__ = ["FILTERS", "chunk_of", "has_packed_chunks", "packed", "unpacked"]
 
 zlib: Any = _deflate
 
@@ -43,7 +43,7 @@ def chunk_of(shape: tuple[int, int]) -> tuple[int, int]:
     return min(shape[0], _SIDE), min(shape[1], _SIDE)
 
 
-def ours(dataset: h5py.Dataset) -> bool:
+def has_packed_chunks(dataset: h5py.Dataset) -> bool:
     """Whether the chunks of a dataset are stored as `packed` packs them."""
     if not isinstance(dataset, h5py.Dataset):
         return False

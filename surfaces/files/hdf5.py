@@ -30,7 +30,7 @@ from surfaces.units import metres_per
 
 from ._container import find, opened, require_sound
 from ._damage import naming_damage
-from ._packing import ours, unpacked
+from ._packing import has_packed_chunks, unpacked
 from ._schema import Fault, Header, Packing, plain, read_header
 from .stored_map import StoredMap
 from .zarr_array import is_zarr, read_zarr
@@ -87,7 +87,7 @@ class SurfaceFile:
         self.name = header.name or path.stem
         self._file = file
         self._dataset = dataset
-        self._ours = ours(dataset)
+        self._packed_chunks = has_packed_chunks(dataset)
         self._packing, self._chunks = header.packing, header.chunks
         self.history = header.history or (self._origin(header.notes),)
 
@@ -138,7 +138,9 @@ class SurfaceFile:
                 for blank in packing.blanks:
                     place[stored == blank] = np.nan
 
-        ny, nx = self._dataset.chunks if self._ours else (self._rows_per_block(shape[1]), right)
+        ny, nx = self._rows_per_block(shape[1]), right
+        if self._packed_chunks:
+            ny, nx = self._dataset.chunks
         parts = itertools.product(_parts(top, bottom, ny), _parts(left, right, nx))
         parallel.each(fill, list(parts))
         return heights
@@ -234,8 +236,8 @@ class SurfaceFile:
         return checked_part("rows", rows, ny), checked_part("columns", columns, nx)
 
     def _stored(self, rows: _Span, columns: _Span) -> NDArray[Any]:
-        """Heights in the unit of the file; of no more than one chunk, if the chunks are ours."""
-        if self._ours:
+        """Heights in the unit of the file; of no more than one chunk, if the chunks are packed."""
+        if self._packed_chunks:
             values = unpacked(self._dataset, rows, columns)
             if values is not None:
                 return values

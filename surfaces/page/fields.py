@@ -18,7 +18,7 @@ from bokeh.models import (
 from bokeh.models.annotations import ColorBar
 from numpy.typing import NDArray
 
-from surfaces.drawing import averaged, color_range, shown_shape, suited
+from surfaces.drawing import averaged, color_range, prefixed_unit, shown_shape
 
 from .figures import INK, bare_plot
 
@@ -51,7 +51,7 @@ class Layer:
         Colors from low to high.
     low, high
         Values of the ends of the palette.
-    told
+    explained
         Whether a bar explains the colors, and the reader may point at values; of the others what
         lies below `low` is transparent.
     """
@@ -62,7 +62,7 @@ class Layer:
     palette: Sequence[str]
     low: float
     high: float
-    told: bool = True
+    explained: bool = True
 
     @property
     def name(self) -> str:
@@ -82,7 +82,7 @@ def map_figure(
     The map has the size (Ly, Lx) [m], and its lower left corner lies at the origin (y, x) [m];
     another one may move along.
     """
-    factor, unit = suited(max(size), "m")
+    factor, unit = prefixed_unit(max(size), "m")
     (height, width), (bottom, left) = (np.divide(pair, factor) for pair in (size, origin))
     if along is None:
         across, up = DataRange1d(range_padding=0.0), DataRange1d(range_padding=0.0)
@@ -91,7 +91,8 @@ def map_figure(
     tall = float(np.clip(height / width, 0.35, 1.6))
     plot = bare_plot(
         width=WIDTH,
-        height=int((WIDTH - BESIDE) * tall) + (BELOW if any(one.told for one in layers) else BARE),
+        height=int((WIDTH - BESIDE) * tall)
+        + (BELOW if any(one.explained for one in layers) else BARE),
         sizing_mode="scale_width",
         match_aspect=True,
         x_range=across,
@@ -112,7 +113,7 @@ def map_figure(
             low=float(layer.low),
             high=float(layer.high),
             nan_color=CLEAR,
-            low_color=None if layer.told else CLEAR,
+            low_color=None if layer.explained else CLEAR,
         )
         drawn = plot.image(
             layer.name,
@@ -120,7 +121,7 @@ def map_figure(
             source=source,
             color_mapper=mapper,
         )
-        if layer.told:
+        if layer.explained:
             tips.append((layer.name, f"@{{{layer.name}}}{{0.[0000]}}"))
             bar = ColorBar(
                 color_mapper=mapper,

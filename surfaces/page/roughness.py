@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from bokeh.palettes import Cividis256
 
-from surfaces.drawing import color_range, suited, told
+from surfaces.drawing import color_range, prefixed_unit, with_unit
 from surfaces.heightmap import HeightMap
 from surfaces.statistics.bearing import BearingCurve
 from surfaces.statistics.correlation import Autocorrelation
@@ -51,8 +51,8 @@ def map_facts(hm: HeightMap) -> dict[str, str]:
     lacking = f", {hm.missing} missing" if hm.missing else ""
     return {
         "points": f"{ny} × {nx} (y, x){lacking}",
-        "pixel": f"{told(dy, 'm')} × {told(dx, 'm')}",
-        "size": f"{told(length_y, 'm')} × {told(length_x, 'm')}",
+        "pixel": f"{with_unit(dy, 'm')} × {with_unit(dx, 'm')}",
+        "size": f"{with_unit(length_y, 'm')} × {with_unit(length_x, 'm')}",
         "periodic": "yes" if hm.periodic else "no",
     }
 
@@ -67,7 +67,7 @@ def parameters(found: Statistics) -> dict[str, str]:
         unit, _, power = str(row["unit"]).partition("^")
         text = f"{value:.4g} {str(row['unit']).strip('-').replace('^2', '²')}".rstrip()
         if unit == "m":
-            text = told(value, unit, int(power or 1), digits=4)
+            text = with_unit(value, unit, int(power or 1), digits=4)
         rows[f"{row['parameter']}, {row['meaning']}"] = text
     if found.moments is not None:
         rows["rms slope, spectral"] = f"{found.moments.rms_slope:.4g}"
@@ -79,14 +79,14 @@ def parameters(found: Statistics) -> dict[str, str]:
         rows["Hurst exponent"] += ", doubtful" if found.fit.warnings else ""
         for name, length in (("roll-off", found.fit.rolloff), ("cut-off", found.fit.cutoff)):
             if math.isfinite(length):
-                rows[f"{name} wavelength"] = told(length, "m")
+                rows[f"{name} wavelength"] = with_unit(length, "m")
     return rows
 
 
 def height_layer(hm: HeightMap, most: int = SHOWN) -> Layer:
     """Heights about their mean, in colors of `color_range`."""
     shown = hm.heights - np.nanmean(hm.heights)
-    factor, unit = suited(float(np.nanmax(np.abs(shown))), "m")
+    factor, unit = prefixed_unit(float(np.nanmax(np.abs(shown))), "m")
     shown = reduced(shown / factor, most)
     return Layer("height", unit, shown, Cividis256, *color_range(shown))
 
@@ -130,7 +130,7 @@ def _density(label: str, q: Any, density: Any, **looks: Any) -> Line:
 
 def bearing_figure(curve: BearingCurve) -> Figure:
     """Height over material ratio, with the borders of the core."""
-    factor, unit = suited(float(np.abs(curve.height).max()), "m")
+    factor, unit = prefixed_unit(float(np.abs(curve.height).max()), "m")
     thin = max(1, len(curve.height) // 500)
     x, y = "material ratio [%]", f"height [{unit}]"
     columns = {x: 100.0 * curve.ratio[::thin], y: curve.height[::thin] / factor}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from surfaces.drawing import told
+from surfaces.drawing import with_unit
 
 __all__ = ["in_words", "preparation_warnings"]
 
@@ -70,7 +70,7 @@ def _leveled(step: Step) -> str:
 
 
 def _spikes(step: Step) -> str:
-    return f"{step['count']} spikes beyond {told(step['limit'], 'm')} removed."
+    return f"{step['count']} spikes beyond {with_unit(step['limit'], 'm')} removed."
 
 
 def _filled(step: Step) -> str:
@@ -86,10 +86,12 @@ def _filled(step: Step) -> str:
 def _filtered(step: Step) -> str:
     short, long = step.get("shortest"), step.get("longest")
     ends = [
-        f"{word} {told(float(end), 'm')}" for word, end in (("from", short), ("to", long)) if end
+        f"{word} {with_unit(float(end), 'm')}"
+        for word, end in (("from", short), ("to", long))
+        if end
     ]
     kept = " ".join(ends)
-    heights = f"{told(step['rms_before'], 'm')} to {told(step['rms_after'], 'm')}"
+    heights = f"{with_unit(step['rms_before'], 'm')} to {with_unit(step['rms_after'], 'm')}"
     return f"Wavelengths kept {kept}; the rms height went from {heights}."
 
 
@@ -106,14 +108,14 @@ def _resampled(step: Step) -> str:
 def _made_periodic(step: Step) -> str:
     how = {
         "mirror": "mirrored at its sides: no height changed, four times the area",
-        "taper": f"heights fade to their mean within {told(_number(step.get('width')), 'm')} of "
-        f"the border, {100 * step['area_changed']:.3g} % of the map",
+        "taper": f"heights fade to their mean within {with_unit(_number(step.get('width')), 'm')} "
+        f"of the border, {100 * step['area_changed']:.3g} % of the map",
         "smooth": "a smooth surface that carries the steps across the seam taken off",
         "wrap": "repeated as it is",
     }[step["how"]]
     return (
-        f"Made periodic: {how}. The step across the seam is {told(step['seam_step'], 'm')} rms, "
-        f"that between neighbors inside {told(step['inner_step'], 'm')}."
+        f"Made periodic: {how}. The step across the seam is {with_unit(step['seam_step'], 'm')} "
+        f"rms, that between neighbors inside {with_unit(step['inner_step'], 'm')}."
     )
 
 

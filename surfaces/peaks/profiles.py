@@ -17,7 +17,7 @@ from surfaces.polar import PolarProfile
 from . import _rays
 from .peaks import RIM, SUMMIT, SummitArrays
 
-__all__ = ["PART", "Fans", "Profiles", "bearing_areas", "ray_aspect"]
+__all__ = ["PART", "Profiles", "SampledRays", "bearing_areas", "ray_aspect"]
 
 
 _PER_RAY, _ANGLES = 48, 256  # radii on the shortest ray, and directions, of a single profile
@@ -204,7 +204,7 @@ def _steps() -> Array:
 _RADII = _steps()
 
 
-class Fans:
+class SampledRays:
     """Rays of the peaks `index` (k,), sampled part by part into the arrays `phi`, `weight`, `edge`
     and `q` of `Profiles`, one row for each of these peaks."""
 

@@ -15,7 +15,7 @@ from surfaces.numerics.stored_array import mapped, most_together
 
 from . import _climb
 from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops
-from .profiles import PART, Fans, Profiles
+from .profiles import PART, Profiles, SampledRays
 
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
@@ -97,13 +97,15 @@ class Summits(SummitArrays):
         """Profiles of the peaks `index` (k,), in that order; rays and nodes as in `fit_profiles`.
         `owner` counts the peaks of the whole map."""
         rays, nodes = as_count("rays", rays, 4), as_count("nodes", nodes, 4)
-        fans = Fans(self, index, rays, nodes)
+        sampled = SampledRays(self, index, rays, nodes)
         near = self.near(index)
-        parallel.run(lambda a, b: fans.fill(near[a:b]), parallel.blocks(len(index), PART, PART))
+        parallel.run(lambda a, b: sampled.fill(near[a:b]), parallel.blocks(len(index), PART, PART))
         names = ("x", "y", "height", "curvature", "angle", "pixels", "border", "valid", "owner")
         own: dict[str, Any] = {name: getattr(self, name)[index] for name in names}
         t = np.linspace(0.0, 1.0, nodes)
-        return Profiles(phi=fans.phi, weight=fans.weight, edge=fans.edge, t=t, q=fans.q, **own)
+        return Profiles(
+            phi=sampled.phi, weight=sampled.weight, edge=sampled.edge, t=t, q=sampled.q, **own
+        )
 
 
 def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:

@@ -10,7 +10,7 @@ import pytest
 
 import surfaces
 from surfaces.errors import FileFormatError
-from surfaces.files._packing import FILTERS, ours, unpacked
+from surfaces.files._packing import FILTERS, has_packed_chunks, unpacked
 
 SPACING = (2e-6, 3e-6)
 
@@ -29,7 +29,7 @@ def test_the_library_reads_what_threads_packed_and_the_reverse(tmp_path, dtype, 
             "heights", data=heights, chunks=file["heights"].chunks, **FILTERS
         )
         made.attrs.update(dict(file["heights"].attrs))
-        assert ours(made) and ours(file["heights"])
+        assert has_packed_chunks(made) and has_packed_chunks(file["heights"])
     for stored in (path, library):
         with surfaces.open(stored) as file:
             np.testing.assert_array_equal(file.heights(), heights.astype(np.float64))

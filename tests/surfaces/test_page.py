@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from pages import Page
 
 import surfaces
-from surfaces.drawing import suited, told
+from surfaces.drawing import prefixed_unit, with_unit
 from surfaces.page import section, write_page
 from surfaces.page.fields import reduced, reduction, touched
 from surfaces.page.lines import TICKS, Line, line_figure
@@ -25,7 +25,7 @@ from surfaces.statistics import bearing, correlation, density
 
 @given(st.floats(1e-12, 1e12), st.sampled_from([("Pa", 1), ("m", 1), ("m", 2), ("N", 1)]))
 def test_a_suited_unit_gives_numbers_that_are_easily_read(value, unit):
-    factor, name = suited(value, *unit)
+    factor, name = prefixed_unit(value, *unit)
     assert name.rstrip("²").endswith(unit[0])
     largest = math.inf if unit[0] == "m" and factor == 1.0 else 1000 ** unit[1]
     smallest = 0.0 if name.startswith("p") else 1.0
@@ -42,14 +42,14 @@ def test_an_axis_shows_as_many_digits_as_tell_its_labels_apart():
 
 @given(st.floats(1e-9, 1e9))
 def test_a_quantity_is_told_to_three_digits(value):
-    number, unit = told(value, "Pa").split()
+    number, unit = with_unit(value, "Pa").split()
     scale = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "P": 1, "k": 1e3, "M": 1e6, "G": 1e9}[unit[0]]
     assert float(number) * scale == pytest.approx(value, rel=5.1e-3)
 
 
 def test_what_is_no_number_is_a_dash():
-    assert told(math.nan, "Pa") == told(math.inf, "m") == "–"
-    assert told(0.0, "m") == "0 m"
+    assert with_unit(math.nan, "Pa") == with_unit(math.inf, "m") == "–"
+    assert with_unit(0.0, "m") == "0 m"
 
 
 def rough(shape=(48, 64)) -> surfaces.HeightMap:

@@ -10,7 +10,7 @@ from bokeh.palettes import Plasma256
 from numpy.typing import NDArray
 
 from asperity.comparison.record import ComparisonRecord
-from surfaces.drawing import suited
+from surfaces.drawing import prefixed_unit
 from surfaces.page.fields import Layer, map_figure, reduced, reduction, touched
 from surfaces.page.figures import Figure
 from surfaces.page.lines import Line, line_figure
@@ -37,7 +37,7 @@ def height_figure(comparison: ComparisonRecord, most: int) -> Figure | None:
     if comparison.surface is None:
         return None
     mask = touched(comparison.maps["bem"], most)
-    over = Layer("contact", "", mask, [MARK], 0.5, 1.5, told=False)
+    over = Layer("contact", "", mask, [MARK], 0.5, 1.5, explained=False)
     title = f"Height map, contacts at {load_of_maps(comparison)}"
     return surface_figure(
         comparison.surface,
@@ -56,7 +56,7 @@ def contact_figures(comparison: ComparisonRecord) -> list[Figure]:
     if len(pressures) < 2:
         return [contacts_figure(comparison, size, note)]
     top = _upper(pressures[0])
-    factor, unit = suited(top, "Pa")
+    factor, unit = prefixed_unit(top, "Pa")
     shown = [reduced(one / np.float32(factor)) for one in pressures]
     apart = np.where(shown[0] + shown[1] > 0, shown[1] - shown[0], np.nan)
     fields = [
@@ -93,7 +93,7 @@ def contacts_figure(
 ) -> Figure:
     """Contact in either model and in both."""
     bem, model = (touched(comparison.maps[name]) for name in ("bem", "asperity"))
-    layer = Layer("contact", "", bem + 2 * model, [BEM, MODEL, BOTH], 0.5, 3.5, told=False)
+    layer = Layer("contact", "", bem + 2 * model, [BEM, MODEL, BOTH], 0.5, 3.5, explained=False)
     told_overlap = (
         f"They share {100 * comparison.overlap:.3g} % of what either touches."
         if np.isfinite(comparison.overlap)
@@ -117,7 +117,7 @@ def size_figure(
             found.append((name, color, np.sort(pixels)[::-1] * dy * dx))
     if not found:
         return None
-    factor, unit = suited(max(float(areas[0]) for *_, areas in found), "m", 2)
+    factor, unit = prefixed_unit(max(float(areas[0]) for *_, areas in found), "m", 2)
     area, count, share = f"contact area [{unit}]", "contacts at least as large", "their share [%]"
     lines = []
     for name, color, areas in found:

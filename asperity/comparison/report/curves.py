@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.results.curve import ContactCurve
-from surfaces.drawing import suited
+from surfaces.drawing import prefixed_unit
 from surfaces.page.figures import Figure
 from surfaces.page.lines import Line, line_figure
 from surfaces.page.roughness import BLUE, ORANGE
@@ -55,8 +55,8 @@ def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
     curves = [one.curves[name] for one, name in drawn]
     apart = np.concatenate([curve.separation[curve.converged] for curve in curves])
     loads = np.concatenate([curve.mean_pressure[curve.converged] for curve in curves])
-    length, length_unit = suited(typical(apart), "m")
-    stress, stress_unit = suited(typical(loads), "Pa")
+    length, length_unit = prefixed_unit(typical(apart), "m")
+    stress, stress_unit = prefixed_unit(typical(loads), "Pa")
     separation, pressure = f"separation [{length_unit}]", f"mean pressure [{stress_unit}]"
     scales = {separation: length, pressure: stress}
     note = "The shaded band is the error that the curve states of itself."

@@ -14,7 +14,7 @@ import numpy as np
 from asperity.comparison.record import ComparisonRecord
 from asperity.errors import InputError
 from asperity.results.curve import ContactCurve, read_results
-from surfaces.drawing import told
+from surfaces.drawing import with_unit
 
 __all__ = ["Sample", "named_apart", "read_sample"]
 
@@ -103,7 +103,7 @@ def curve_verdict(name: str, curve: ContactCurve) -> str:
 
     def span(values: Any, unit: str, scale: float = 1.0) -> str:
         ends = [float(values[i]) * scale for i in order[[0, -1]][: len(order)]]
-        return " to ".join(f"{v:.3g} %" if unit == "%" else told(v, unit) for v in ends)
+        return " to ".join(f"{v:.3g} %" if unit == "%" else with_unit(v, unit) for v in ends)
 
     loads, places = "mean pressures", "separations"
     if len(order) == 1:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from asperity.comparison.record import ComparisonRecord
 from asperity.errors import AsperityError
 from asperity.results.curve import ContactCurve
-from surfaces.drawing import suited, told
+from surfaces.drawing import prefixed_unit, with_unit
 
 from .curves import stated_area_error, typical
 from .sample import Sample
@@ -47,9 +47,9 @@ def facts(sample: Sample) -> dict[str, str]:
     about, curve, settings = sample.about, sample.curve, sample.curve.settings
     pairs: list[tuple[str, Callable[[], str]]] = [
         ("points", lambda: " × ".join(str(int(n)) for n in about["shape"]) + " (y, x)"),
-        ("pixel", lambda: " × ".join(told(float(d), "m") for d in about["spacing"])),
-        ("size", lambda: " × ".join(told(length, "m") for length in size_of(about))),
-        ("rms height", lambda: told(float(about["rms_height"]), "m")),
+        ("pixel", lambda: " × ".join(with_unit(float(d), "m") for d in about["spacing"])),
+        ("size", lambda: " × ".join(with_unit(length, "m") for length in size_of(about))),
+        ("rms height", lambda: with_unit(float(about["rms_height"]), "m")),
         ("rms slope", lambda: f"{float(about['rms_slope']):.4g}"),
         ("modulus E*", lambda: _modulus(float(about["modulus"]), float(about.get("m", 0)))),
         ("hardness", lambda: _hardness(about.get("hardness", settings.get("hardness")))),
@@ -96,9 +96,9 @@ def at_common_loads(samples: Sequence[Sample]) -> list[dict[str, str]]:
                 point = one.curve.at(pressure=float(np.clip(pressure, low, high)))
             except AsperityError:
                 continue
-            load = told(float(pressure), "Pa")
+            load = with_unit(float(pressure), "Pa")
             rows[f"contact area at {load}"] = f"{100 * float(point.area_fraction):.3g} %"
-            rows[f"separation at {load}"] = told(float(point.separation), "m")
+            rows[f"separation at {load}"] = with_unit(float(point.separation), "m")
     return found
 
 
@@ -118,8 +118,8 @@ def judged(comparison: ComparisonRecord) -> list[tuple[bool, str]]:
 def error_table(comparison: ComparisonRecord) -> Table:
     """Both models at every load, their differences, and the errors that the model states."""
     table, (load, area) = comparison.table, _stated(comparison)
-    stress, stress_unit = suited(typical(table["mean_pressure"]), "Pa")
-    length, length_unit = suited(typical(table["separation_bem"]), "m")
+    stress, stress_unit = prefixed_unit(typical(table["mean_pressure"]), "Pa")
+    length, length_unit = prefixed_unit(typical(table["separation_bem"]), "m")
     return _of_columns(
         (f"mean pressure [{stress_unit}]", _texts(table["mean_pressure"] / stress, ".4g")),
         ("area, boundary elements [%]", _texts(100 * table["area_bem"], ".3g")),
@@ -169,7 +169,7 @@ def resolution_table(comparison: ComparisonRecord) -> Table | None:
     near = table[[np.argmin(np.abs(table["mean_pressure"] - load)) for load in loads]]
     both = {name: (1 + held[name]) * (1 + near[name]) - 1 for name in ("load_error", "area_error")}
     return _of_columns(
-        ("mean pressure", [told(float(load), "Pa") for load in loads]),
+        ("mean pressure", [with_unit(float(load), "Pa") for load in loads]),
         ("reference against its refined grid: load [%]", _texts(100 * held["load_error"], "+.2f")),
         ("area [%]", _texts(100 * held["area_error"], "+.2f")),
         ("model against the reference: load [%]", _texts(100 * near["load_error"], "+.2f")),
@@ -212,11 +212,11 @@ def size_of(about: Any) -> tuple[float, float]:
 
 
 def _modulus(value: float, m: float) -> str:
-    return f"{value:.4g} Pa m^{-m:g}, grading m = {m:g}" if m else told(value, "Pa", digits=4)
+    return f"{value:.4g} Pa m^{-m:g}, grading m = {m:g}" if m else with_unit(value, "Pa", digits=4)
 
 
 def _hardness(value: Any) -> str:
-    return told(float(value), "Pa") if math.isfinite(float(value)) else "none"
+    return with_unit(float(value), "Pa") if math.isfinite(float(value)) else "none"
 
 
 def _verified(curve: ContactCurve) -> str:
@@ -233,4 +233,4 @@ def _run_time(sample: Sample) -> str:
 
 def load_of_maps(comparison: ComparisonRecord) -> str:
     """Mean pressure at which the maps are."""
-    return told(float(comparison.table[comparison.map_point]["mean_pressure"]), "Pa")
+    return with_unit(float(comparison.table[comparison.map_point]["mean_pressure"]), "Pa")
