@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from .numerics import parallel
-from .numerics.compiled import compiled, inner
+from .numerics.compiled import inner
 from .numerics.stored_array import Source, windows
 
 __all__ = ["count_patches", "label_patches", "points_at", "root"]
@@ -74,15 +74,12 @@ def points_at(
     """Rows and columns of the points whose height may be one of some levels [m], and few others."""
     bits = max(10, int(levels.size).bit_length() + 4)  # 16 places for a level
     table = np.zeros(1 << bits, np.bool_)
-    mark = np.empty((1, levels.size), np.bool_)
-    _place(levels[None], np.uint64(64 - bits), table, True, mark)
+    table[_hashed(levels, bits)] = True
 
     def part(first: int, last: int) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
         found = []
         for begin, _, rows in windows(heights, first, last):
-            mark = np.empty(rows.shape, np.bool_)
-            _place(rows, np.uint64(64 - bits), table, False, mark)
-            row, column = np.nonzero(mark)
+            row, column = np.nonzero(table[_hashed(rows, bits)])
             found.append((row + begin, column))
         return found
 
@@ -92,22 +89,12 @@ def points_at(
     return row, column
 
 
-@compiled()
-def _place(
-    heights: NDArray[np.float64],
-    shift: Any,
-    table: NDArray[np.bool_],
-    fill: bool,
-    mark: NDArray[np.bool_],
-) -> None:
-    """Fill the places of some heights in a table, or `mark` the heights whose places are full."""
-    for i in range(heights.shape[0]):
-        bits = (heights[i] + 0.0).view(np.uint64)  # one zero, not two
-        for j in range(bits.size):
-            place = (bits[j] * np.uint64(0x9E3779B97F4A7C15)) >> shift
-            if fill:
-                table[place] = True
-            mark[i, j] = table[place]
+def _hashed(heights: NDArray[np.float64], bits: int) -> NDArray[np.uint64]:
+    """Places of heights in a table of 2^bits, by Fibonacci hashing."""
+    words = (heights + 0.0).view(np.uint64)  # one zero, not two
+    words *= np.uint64(0x9E3779B97F4A7C15)
+    words >>= np.uint64(64 - bits)
+    return words
 
 
 @inner()
