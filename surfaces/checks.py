@@ -1,4 +1,5 @@
-"""What makes a height map doubtful: tilt, steps at its sides, spikes, clipped or coarse heights."""
+"""What makes a height map doubtful: units, tilt, steps at its sides, spikes, clipped or coarse
+heights."""
 
 from __future__ import annotations
 
@@ -15,6 +16,7 @@ from .numerics.stored_array import Source, sampled_lines, windows
 __all__ = [
     "constant",
     "copied",
+    "digits_warning",
     "fine_waves_random",
     "fineness",
     "lay",
@@ -24,9 +26,16 @@ __all__ = [
     "spike_warning",
     "straight_warning",
     "tilt_warning",
+    "unit_warning",
 ]
 
 Array = NDArray[np.float64]
+
+SLOPES = 1e-6, 10.0
+"""Rms slopes outside which the units may be wrong."""
+
+ROUNDED = 1e-3
+"""Least rounding of heights over their rms value that is warned of."""
 
 SPIKE = 3.0
 """Least height of a spike above all its neighbors, in rms heights: noise reaches 2.5, a map that is
@@ -61,6 +70,25 @@ fine noise by 3 to 5, hills of lognormal heights by 40."""
 HIGHEST_SHARE, SEARCHED_LINES = 0.02, 16
 """Share of the points that count as the highest; number of rows and of columns searched for them.
 """
+
+
+def digits_warning(largest: float, rms_height: float) -> list[str]:
+    """Heights [m] with an offset so large that their rounding is part of the roughness."""
+    rounding = math.ulp(largest)
+    if not 0.0 < rms_height < rounding / ROUNDED:
+        return []
+    return [
+        f"heights of {largest:.3g} m are rounded to {rounding:.2g} m, "
+        f"{100 * rounding / rms_height:.2g} % of the rms height: subtract their mean before they "
+        "are rounded"
+    ]
+
+
+def unit_warning(slope: float) -> list[str]:
+    """A slope that no measured surface has: heights or pixels in another unit than stated."""
+    if SLOPES[0] < slope < SLOPES[1]:
+        return []
+    return [f"the rms slope is {slope:.2g}: check the unit of the heights and the pixel size"]
 
 
 def tilt_warning(hm: HeightMap, least: float) -> list[str]:
@@ -115,10 +143,9 @@ def fineness(hm: HeightMap) -> float:
     For differences d, d' of neighboring pairs, <(d - d')^2> = 4 <d^2> - <(d + d')^2>.
     """
     found = hm.roughness
-    bend = np.asarray(found.curvature) * hm.spacing
     if found.rms_slope == 0.0:
         return 0.0
-    share = bend / (2.0 * found.rms_slope)
+    share = np.multiply(found.curvature, hm.spacing) / (2.0 * found.rms_slope)
     return float(share @ share)
 
 

@@ -12,7 +12,7 @@ from surfaces.numerics import parallel
 from surfaces.numerics.compiled import SUMS, compiled, inner
 from surfaces.numerics.stored_array import Source, sampled_lines, windows
 
-__all__ = ["Roughness", "digits_warning", "line_power", "roughness", "unit_warning"]
+__all__ = ["Roughness", "line_power", "roughness"]
 
 
 Array = NDArray[np.float64]
@@ -20,12 +20,6 @@ Index = NDArray[np.int64]
 
 ROW_BANDS = 32
 """Bands of rows whose highest points are kept."""
-
-_SLOPES = (1e-6, 10.0)
-"""Rms slopes outside which the units may be wrong."""
-
-_ROUNDED = 1e-3
-"""Least rounding of heights over their rms value that is warned of."""
 
 
 @dataclass(frozen=True)
@@ -132,25 +126,6 @@ def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> 
         tops=tops,
         rows=rows,
     )
-
-
-def digits_warning(largest: float, rms_height: float) -> list[str]:
-    """Heights [m] with an offset so large that their rounding is part of the roughness."""
-    rounding = math.ulp(largest)
-    if not 0.0 < rms_height < rounding / _ROUNDED:
-        return []
-    return [
-        f"heights of {largest:.3g} m are rounded to {rounding:.2g} m, "
-        f"{100 * rounding / rms_height:.2g} % of the rms height: subtract their mean before they "
-        "are rounded"
-    ]
-
-
-def unit_warning(slope: float) -> list[str]:
-    """A slope that no measured surface has: heights or pixels in another unit than stated."""
-    if _SLOPES[0] < slope < _SLOPES[1]:
-        return []
-    return [f"the rms slope is {slope:.2g}: check the unit of the heights and the pixel size"]
 
 
 def _kurtosis(sums: Array) -> float:

@@ -6,15 +6,16 @@ import math
 
 from asperity.parameters import DEFAULTS
 from surfaces.checks import (
+    digits_warning,
     lay,
     resolution_warning,
     seam_warning,
     spike_warning,
     straight_warning,
     tilt_warning,
+    unit_warning,
 )
 from surfaces.heightmap import HeightMap
-from surfaces.roughness import digits_warning, unit_warning
 
 from .load_points import AREA_OVER_LOAD, pressure_scale, slope_scale
 from .material import HalfSpace

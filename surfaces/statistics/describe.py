@@ -9,10 +9,9 @@ import os
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from surfaces.checks import tilt_warning
+from surfaces.checks import tilt_warning, unit_warning
 from surfaces.errors import SurfaceError, as_path
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.roughness import unit_warning
 
 from .bearing import BearingCurve, bearing_curve
 from .correlation import Autocorrelation, Texture, autocorrelation, texture
