@@ -45,20 +45,16 @@ def polygon(sides: int, k: float = 1.0, *, scale: float = 1.0) -> PowerLawProfil
     )
 
 
-def cosine_polygon(sides: int, k: float = 1.0, *, scale: float = 1.0) -> PowerLawProfile:
+def cosine_polygon(sides: int, k: float = 1.0) -> PowerLawProfile:
     """Body with the plain factor ``psi = cos`` for every k (the formula printed as 46, 47).
 
     Its level lines are polygons for k = 1 only; otherwise their sides are curved.
     """
     _sides(sides)
-    return PowerLawProfile(
-        k, lambda phi: scale * np.cos(_from_face(phi, sides)), corners=_corners(sides)
-    )
+    return PowerLawProfile(k, lambda phi: np.cos(_from_face(phi, sides)), corners=_corners(sides))
 
 
-def rounded_polygon(
-    sides: int, k: float = 1.0, *, corner: float = 0.3, scale: float = 1.0
-) -> PowerLawProfile:
+def rounded_polygon(sides: int, k: float = 1.0, *, corner: float = 0.3) -> PowerLawProfile:
     """Body whose level lines are regular polygons with round corners.
 
     Parameters
@@ -69,8 +65,6 @@ def rounded_polygon(
         Exponent.
     corner
         Radius of the corners over the in-radius, 0 (sharp) to 1 (a circle).
-    scale
-        Gap [m^(1-k)] at r = 1 on a face normal.
 
     Raises
     ------
@@ -91,7 +85,7 @@ def rounded_polygon(
         return np.asarray(np.where(t <= straight, 1 / np.cos(t), arc))
 
     kinks = _corners(sides) if corner == 0 else ()
-    return PowerLawProfile(k, lambda phi: scale * radius(phi) ** -k, corners=kinks)
+    return PowerLawProfile(k, lambda phi: radius(phi) ** -k, corners=kinks)
 
 
 def section(radius: Callable[[Array], ArrayLike], k: float = 1.0) -> PowerLawProfile:
