@@ -123,10 +123,13 @@ def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
         if ready.size:
             most = int(np.bincount(gap[ready]).max())
             largest = max(largest, most)
-            direct = most <= _DIRECT and _DIRECT_BYTES * ready.size <= available_bytes()
-            solve = _directly if direct else _by_gradients
             part, place = matrix[ready][:, ready], places[ready]
-            solved.append((place, solve(part, right[ready], np.divmod(place, hm.shape[1])) + level))
+            if most <= _DIRECT and _DIRECT_BYTES * ready.size <= available_bytes():
+                factors = splu(part, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0)
+                heights = factors.solve(right[ready])
+            else:
+                heights = _by_gradients(part, right[ready], np.divmod(place, hm.shape[1]))
+            solved.append((place, heights + level))
         waiting = waits[gap]
         places, around = places[waiting], around[:, waiting]
     places, filled = (np.concatenate(part) for part in zip(*solved, strict=True))
@@ -174,12 +177,6 @@ def _equations(
     i, j, w = (np.concatenate(part) for part in zip(*pairs, strict=True))
     matrix = coo_matrix((w, (i, j)), shape=(count, count)) + diags(total)
     return matrix.tocsc(), right, unmet
-
-
-def _directly(matrix: csc_matrix, right: Array, _: tuple[Index, Index]) -> Array:
-    """Solution of the equations."""
-    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0)
-    return np.asarray(factors.solve(right))
 
 
 def _by_gradients(matrix: csc_matrix, right: Array, points: tuple[Index, Index]) -> Array:

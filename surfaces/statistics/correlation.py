@@ -15,7 +15,7 @@ from surfaces.numerics import parallel
 from surfaces.numerics.memory import Transform, along_both
 from surfaces.numerics.stored_array import Blocks, Source, array_of, blocks_of, windows
 
-from .heights import over_present, some_roughness
+from .heights import some_roughness
 
 __all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
 
@@ -116,8 +116,8 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     ((33, 49), '1.00')
     """
     require_map(hm)
-    mean, count = some_roughness(hm).mean, hm.source.size - hm.missing
-    variance = sum(over_present(lambda z: float(np.sum((z - mean) ** 2)), hm)) / count
+    found = some_roughness(hm)
+    mean, variance = found.mean, found.rms_height**2
     shape = hm.shape if hm.periodic else tuple(fft.next_fast_len(2 * n, True) for n in hm.shape)
     lags = tuple(np.arange(-(n // 2), n // 2 + 1) for n in hm.shape)
     products = _correlated(hm, lambda z: np.where(np.isfinite(z), z - mean, 0.0), shape, lags)
@@ -134,8 +134,8 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
             if pairs is None:
                 number = np.outer(pairs_y[begin:end], pairs_x)
             else:
-                found = pairs[begin:end]  # counts, but for rounding
-                number = np.where(found > 0.5, found, np.nan)
+                counted = pairs[begin:end]  # whole numbers, but for rounding
+                number = np.where(counted > 0.5, counted, np.nan)
             yield begin, rows / (number * variance)
 
     dy, dx = hm.spacing

@@ -51,10 +51,8 @@ class Density:
         column = np.arange(count // 2 + 1)
         return np.where((column == 0) | (2 * column == count), 1.0, 2.0)
 
-    def along(self, axis: int) -> Array | None:
-        """Mean density [m^3] of windowed profiles along an axis; None if there is no window."""
-        if not self.hann:
-            return None
+    def along(self, axis: int) -> Array:
+        """Mean density [m^3] of windowed profiles along an axis."""
         source, (ny, nx) = self.source.source, self.source.shape
         count, step = self.source.shape[axis], self.source.spacing[axis]
         window, workers = _hann(count), parallel.threads()

@@ -218,8 +218,9 @@ def spectrum_of(waves: Density) -> Spectrum:
         columns += along_x
     count, power, place = rings[:, 1:-1]
     full = count > 0
-    density_y, density_x = waves.along(0), waves.along(1)
-    if density_y is None or density_x is None:
+    if waves.hann:
+        density_y, density_x = waves.along(0), waves.along(1)
+    else:
         opposite = rows[-np.arange(ny)]
         density_y, density_x = 0.5 * (rows + opposite) / size[1], columns / size[0]
     return Spectrum(

@@ -152,12 +152,10 @@ def fit_spectrum(spectrum: Spectrum) -> SpectrumFit:
         for parts in ((False, False), (True, False), (False, True), (True, True))
         if len(x) >= _SEGMENT * (1 + sum(parts)) and not (parts[1] and sharp)
     ]
-    parts, fit = min(choices, key=lambda choice: _information(choice[1]))
+    parts, fit = min(  # Bayesian information criterion
+        choices, key=lambda choice: 2.0 * choice[1].cost + choice[1].x.size * math.log(len(x))
+    )
     return _described(fit, parts, q, density, spectrum, sharp)
-
-
-def _information(fit: OptimizeResult) -> float:
-    return float(2.0 * fit.cost + fit.x.size * math.log(fit.fun.size))
 
 
 def _model(
