@@ -200,10 +200,9 @@ def _channel(reader: Any, path: Path, name: str | None) -> Any:
     named = [(known, c) for n, c in enumerate(channels) for known in (c.name, str(n))]
     by_name = dict(reversed(named))  # of one name the first
     channel = reader.default_channel if name is None else by_name.get(name)
-    if channel is not None and len(channel.nb_grid_pts) != 2:
+    if channel is None:
+        names = ", ".join(str(c.name) for c in channels)
+        raise FileFormatError(f"{path}: no channel {name!r}; the file holds {names}")
+    if len(channel.nb_grid_pts) != 2:
         raise FileFormatError(f"{path}: holds a line of heights; a height map needs two axes")
-    if channel is not None:
-        return channel
-    raise FileFormatError(
-        f"{path}: no channel {name!r}; the file holds {', '.join(str(c.name) for c in channels)}"
-    )
+    return channel

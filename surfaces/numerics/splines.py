@@ -32,15 +32,14 @@ from .vectors import lane, loader, multiply_add, repeater, splatter, store, sums
 
 __all__ = [
     "LANES",
-    "LINES",
     "PAD",
     "TAPS",
     "WEIGHTS",
     "coefficients",
     "evaluate_all",
     "expand",
-    "filter_columns",
-    "filter_rows",
+    "load",
+    "splat",
     "spline_values",
 ]
 
@@ -106,7 +105,7 @@ def _filter(line, m, periodic):
 
 
 @compiled()
-def filter_columns(heights, periodic, flat, line, start, stop):
+def _filter_columns(heights, periodic, flat, line, start, stop):
     """Filter the columns [start, stop) of the map into the padded array `flat`."""
     ny, nx = heights.shape
     width = nx + 2 * PAD
@@ -130,7 +129,7 @@ def filter_columns(heights, periodic, flat, line, start, stop):
 
 
 @compiled()
-def filter_rows(flat, nx, periodic, line, start, stop):
+def _filter_rows(flat, nx, periodic, line, start, stop):
     """Filter the rows [start, stop) of the padded array in place."""
     width = nx + 2 * PAD
     for top in range(start, stop, LINES):
@@ -287,10 +286,10 @@ def _coefficients(
     flat = out.ravel()
 
     def columns(start: int, stop: int) -> None:
-        filter_columns(heights, around_y, flat, np.empty(len(out) * LINES), start, stop)
+        _filter_columns(heights, around_y, flat, np.empty(len(out) * LINES), start, stop)
 
     def rows(start: int, stop: int) -> None:
-        filter_rows(flat, nx, around_x, np.empty(out.shape[1] * LINES), start, stop)
+        _filter_rows(flat, nx, around_x, np.empty(out.shape[1] * LINES), start, stop)
 
     parallel.run(columns, parallel.lines(nx, out.size))
     parallel.run(rows, parallel.lines(len(out), out.size))

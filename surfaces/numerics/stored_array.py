@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 import itertools
 import math
 import mmap
@@ -54,16 +55,11 @@ _changing = threading.Lock()  # of `_pages`, while they are gone through
 Span = tuple[int, int]
 
 
-class _Descriptor:
+class _File(io.FileIO):
     """A file that is closed when nothing refers to it, without the warning of an open one."""
 
-    def __init__(self, number: int) -> None:
-        self._number = number
-        weakref.finalize(self, os.close, number)
-
-    def fileno(self) -> int:
-        """Number of the descriptor."""
-        return self._number
+    def __del__(self) -> None:
+        self.close()
 
 
 class StoredArray:
@@ -100,7 +96,7 @@ class StoredArray:
         self._changes: tuple[Callable[[NDArray[Any]], NDArray[Any]], ...] = ()
         needed, place = shape[0] * shape[1] * self._kept.itemsize, folder or tempfile.gettempdir()
         with tempfile.TemporaryFile(dir=place, buffering=0) as file:
-            self._file = _Descriptor(os.dup(file.fileno()))
+            self._file = _File(os.dup(file.fileno()), "r+")
         try:
             os.posix_fallocate(self._file.fileno(), 0, needed)
         except (OSError, OverflowError) as error:  # so many bytes have no 64-bit number

@@ -11,15 +11,12 @@ from typing import Any
 import numpy as np
 
 from surfaces.numerics.compiled import BORROWING, compiled, inner
-from surfaces.numerics.splines import LANES, PAD, TAPS, WEIGHTS, spline_values
-from surfaces.numerics.vectors import loader, multiply_add, splatter, store, where, whole
+from surfaces.numerics.splines import LANES, PAD, TAPS, WEIGHTS, load, splat, spline_values
+from surfaces.numerics.vectors import multiply_add, store, where, whole
 
 from ._climb import FLATTEST, prefetch_block
 
 __all__ = ["ray_places", "rising_nodes"]
-
-
-_load, _splat = loader(LANES), splatter(LANES)
 
 
 _BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
@@ -61,8 +58,8 @@ def _inside(value, center, n, inverse):
 @inner(forceinline=True, **BORROWING)
 def _along(start, way, r, n, inverse, margin):
     """Coordinates [pixels] along an axis, kept in the map or its margin, and nearest pixels."""
-    value = _least(multiply_add(r, way, _splat(start)), _splat(n + margin))
-    value = -_least(-value, _splat(margin))
+    value = _least(multiply_add(r, way, splat(start)), splat(n + margin))
+    value = -_least(-value, splat(margin))
     value = _inside(value, value, n, inverse)
     pixel = whole(value + 0.5)
     return value, _inside(pixel, pixel + 0.5, n, inverse)
@@ -82,7 +79,7 @@ def ray_places(
     periodic), the margin, the width of the coefficients and the corner of the first pixel.
     """
     ny, nx, margin, width = cell[0], cell[1], cell[4], cell[5]
-    r = _least(scale * _load(radii, first), _splat(most))
+    r = _least(scale * load(radii, first), splat(most))
     high, row = _along(y, way_y, r, ny, cell[2], margin)
     wide, col = _along(x, way_x, r, nx, cell[3], margin)
     if into >= 0:
@@ -93,7 +90,7 @@ def ray_places(
     store(rest, at, wide - col)
     t = high - row
     for tap in range(TAPS):
-        share = _splat(WEIGHTS[0, TAPS - 1, tap])
+        share = splat(WEIGHTS[0, TAPS - 1, tap])
         for power in range(TAPS - 2, -1, -1):
             share = multiply_add(share, t, WEIGHTS[0, power, tap])
         store(weights, TAPS * at + tap * LANES, share)

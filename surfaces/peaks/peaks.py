@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.checks import HIGHEST_SHARE
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.stored_array import windows
+from surfaces.numerics.stored_array import SAMPLED_LINES, windows
 
 __all__ = [
     "PLATEAU",
@@ -32,12 +33,6 @@ SUMMIT, PLATEAU, RIM = 0, -1, -2
 none, and the pixel lies at the border of the map."""
 
 Array = NDArray[np.float64]
-
-SAMPLED_ROWS = 64
-"""Number of rows from which the number of peaks is estimated."""
-
-HIGHEST_SHARE = 0.02
-"""Share of the points of a map that `flat_share` looks at, the highest ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,9 +159,9 @@ class SummitArrays:
 
 def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
     """Number of points above a height [m] that are higher than their neighbors, estimated from
-    `SAMPLED_ROWS` rows of the map."""
+    `SAMPLED_LINES` rows of the map."""
     ny, nx = hm.shape
-    rows = np.arange(1, ny - 1, max(1, (ny - 2) // SAMPLED_ROWS))
+    rows = np.arange(1, ny - 1, max(1, (ny - 2) // SAMPLED_LINES))
     lines = [hm.source[rows + step] for step in (-1, 0, 1)]
     peak = lines[1][:, 1:-1] > above
     for line, step in itertools.product(lines, range(3)):

@@ -127,19 +127,19 @@ def segment(
 
 def _flood_all(hm: HeightMap, above: float) -> Flooded:
     """Flood the pixels of a map in memory that lie at or above a height [m]."""
-    heights = hm.heights
-    if heights.size > _MOST_PIXELS:
+    flat = hm.heights.ravel()
+    if flat.size > _MOST_PIXELS:
         raise SurfaceError(
-            f"the map has {heights.size} points, more than {_MOST_PIXELS}; crop or resample it"
+            f"the map has {flat.size} points, more than {_MOST_PIXELS}; crop or resample it"
         )
-    link, summit, runs = _links(heights, hm, above)
+    link, summit, runs = _links(hm, above)
     summit = np.sort(summit)
-    summit = summit[_falling(heights.ravel()[summit])]
+    summit = summit[_falling(flat[summit])]
     link[summit] = np.arange(summit.size)
     parallel.each(lambda some: _flood.follow(link, some), runs)
     labels = link.reshape(hm.shape)
-    counts, keys, tops = _passes(heights, labels, hm.periodic, summit.size, runs)
-    return Flooded(summit, heights.ravel()[summit], labels, counts, keys, tops)
+    counts, keys, tops = _passes(hm, labels, summit.size, runs)
+    return Flooded(summit, flat[summit], labels, counts, keys, tops)
 
 
 def _lowest(hm: HeightMap, above: float) -> float:
@@ -200,9 +200,10 @@ def _limit(hm: HeightMap, min_prominence: float, wolf: float | None) -> float:
 
 
 def _links(
-    heights: NDArray[np.float64], hm: HeightMap, above: float
+    hm: HeightMap, above: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int64], list[NDArray[np.int32]]]:
     """Pointer map (`_flood`), summit pixels in any order, and the flooded runs of each block."""
+    heights = hm.heights
     link = np.empty(heights.size, np.int32)
     found = parallel.run(
         lambda start, stop: ascended(heights, hm, above, link, start, stop),
@@ -216,17 +217,12 @@ def _links(
 
 
 def _passes(
-    heights: NDArray[np.float64],
-    labels: NDArray[np.int32],
-    periodic: bool,
-    n: int,
-    runs: list[NDArray[np.int32]],
+    hm: HeightMap, labels: NDArray[np.int32], n: int, runs: list[NDArray[np.int32]]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Number of pixels of each basin; keys of touching pairs (`Flooded`) and their passes."""
-
     counts = [np.zeros(n, np.int64) for _ in runs]
     found = parallel.each(
-        lambda part: _flood.touching(heights, labels, periodic, counts[part], runs[part]),
+        lambda part: _flood.touching(hm.heights, labels, hm.periodic, counts[part], runs[part]),
         range(len(runs)),
     )
     keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))
