@@ -130,7 +130,7 @@ def run(args: argparse.Namespace) -> int:
     jobs = [job for one in _expanded(args) for job in _jobs(one, maker)]
     with bar(len(jobs), "jobs") as advance:
         found = run_sweep(jobs, folder, on, force=args.force, progress=advance)
-    args.document = list(found.rows())
+    args.document = found.to_dataframe().to_dict("records")
     if len(found) <= MOST_ROWS:
         tell(batch.table_text(_shown(args.document)) + "\n")
     tell(str(found))

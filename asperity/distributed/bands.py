@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-__all__ = ["DECIDES", "QUANTITIES", "Confidence", "Ensemble"]
+__all__ = ["DECIDES", "QUANTITIES", "Ensemble", "mean_and_scatter", "relative_half_width"]
 
 Array = NDArray[np.float64]
 
@@ -43,47 +43,33 @@ TENTHS = 0.1, 0.9
 """Quantiles of the members that are told."""
 
 
-class Confidence:
-    """Mean of curves of `size` points that come one by one, and its confidence interval, at each
-    point; NaN is left out.
+def mean_and_scatter(curves: Array) -> tuple[Array, Array, Array]:
+    """Mean of curves, shape (n, p), at each of their points, shape (p,); the standard deviation of
+    the curves; and the half width of the confidence interval of the mean. NaN is left out.
 
     Notes
     -----
-    Half width t s / sqrt(n), with the quantile t of Student's distribution of n - 1 degrees of
-    freedom and the standard deviation s by the update of Welford (1962).
+    The half width is t s / sqrt(n), with the quantile t of Student's distribution of n - 1 degrees
+    of freedom and the standard deviation s. It is NaN of fewer than two curves, as s is.
     """
+    from scipy.special import stdtrit
 
-    def __init__(self, size: int) -> None:
-        self.count, self.mean, self._squares = np.zeros((3, size))
+    count = np.isfinite(curves).sum(axis=0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # NaN where too few curves have a value
+        mean, deviation = np.nanmean(curves, axis=0), np.nanstd(curves, axis=0, ddof=1)
+    quantile = stdtrit(np.maximum(count - 1, 1), 0.5 + 0.5 * LEVEL)
+    return mean, deviation, np.asarray(quantile * deviation / np.sqrt(np.maximum(count, 1)))
 
-    def add(self, values: Array) -> None:
-        """Take one more curve, shape (size,)."""
-        known = np.isfinite(values)
-        self.count[known] += 1
-        step = values[known] - self.mean[known]
-        self.mean[known] += step / self.count[known]
-        self._squares[known] += step * (values[known] - self.mean[known])
 
-    @property
-    def deviation(self) -> Array:
-        """Standard deviation of the curves, shape (size,); NaN of fewer than two."""
-        return np.sqrt(self._squares / np.where(self.count > 1, self.count - 1, np.nan))
-
-    @property
-    def half_width(self) -> Array:
-        """Half width of the confidence interval of the mean, shape (size,)."""
-        from scipy.special import stdtrit
-
-        quantile = stdtrit(np.maximum(self.count - 1, 1), 0.5 + 0.5 * LEVEL)
-        return np.asarray(quantile * self.deviation / np.sqrt(np.maximum(self.count, 1)))
-
-    @property
-    def relative(self) -> float:
-        """Largest half width over the mean; infinite where a mean is not known."""
-        known = (self.count > 1) & (self.mean != 0.0)
-        share = np.full(self.mean.shape, np.inf)
-        share[known] = self.half_width[known] / np.abs(self.mean[known])
-        return float(share.max())
+def relative_half_width(curves: Array) -> float:
+    """Largest half width over the mean, of curves as in `mean_and_scatter`; infinite where a mean
+    is not known."""
+    mean, _, half_width = mean_and_scatter(curves)
+    known = np.isfinite(half_width) & (mean != 0.0)
+    share = np.full(mean.shape, np.inf)
+    share[known] = half_width[known] / np.abs(mean[known])
+    return float(share.max())
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,20 +128,17 @@ class Ensemble:
         quantiles of them, ``_half_width`` that of the 95 % confidence interval of the mean."""
         found: dict[str, Any] = {"mean_pressure": self.pressures}
         for name, curves in self.values.items():
-            mean = Confidence(len(self.pressures))
-            for curve in curves:
-                mean.add(curve)
+            mean, deviation, half_width = mean_and_scatter(curves)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", RuntimeWarning)  # NaN where no member has a value
                 low, high = np.nanquantile(curves, TENTHS, axis=0)
-            known = mean.count > 0
             found |= {
-                "members": mean.count.astype(int),
-                name: np.where(known, mean.mean, np.nan),
-                f"{name}_std": mean.deviation,
+                "members": np.isfinite(curves).sum(axis=0),
+                name: mean,
+                f"{name}_std": deviation,
                 f"{name}_p10": low,
                 f"{name}_p90": high,
-                f"{name}_half_width": mean.half_width,
+                f"{name}_half_width": half_width,
             }
         return structured(found)
 

@@ -19,7 +19,7 @@ from asperity.progress import Progress, reported
 from surfaces.errors import as_count, as_number, as_numbers, as_path
 from surfaces.heightmap import HeightMap
 
-from .bands import DECIDES, QUANTITIES, Confidence, Ensemble
+from .bands import DECIDES, QUANTITIES, Ensemble, relative_half_width
 from .index import Sweep
 from .jobs import Job, Jobs
 from .pool import Workers
@@ -130,7 +130,6 @@ def ensemble(
     pressures = _common(first)
     jobs = maker.product(chosen, material, {**first.settings, "pressures": pressures})
     distinct = list({job.file: job for job in jobs}.values())
-    confidence = Confidence(len(pressures))
     rows, curves, widths = list[Any](), list[Any](), list[float]()
     stream = run(distinct, maker.folder, on, force, pressures)
     with reported(progress, len(distinct), "members") as tell, closing(stream):
@@ -140,8 +139,7 @@ def ensemble(
                 tell(rows[-1])
             if "values" in result:
                 curves.append([result["values"][name] for name in QUANTITIES])
-                confidence.add(np.array(curves[-1][QUANTITIES.index(DECIDES)]))
-                widths.append(confidence.relative)
+                widths.append(relative_half_width(np.array(curves)[:, QUANTITIES.index(DECIDES)]))
                 if until is not None and enough(widths, until):
                     break
     index = Sweep.of_rows(maker.folder, rows)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,11 +122,6 @@ class Sweep:
         """The sweep of rows by name of the column; what a row lacks is NaN, or no text."""
         names = list(dict.fromkeys(name for row in rows for name in row))
         return cls(folder, structured({name: _column(name, rows) for name in names}))
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Each row by name of the column."""
-        for row in self.table:
-            yield {name: row[name].item() for name in self.table.dtype.names or ()}
 
     def __str__(self) -> str:
         states, counts = np.unique(self.table["state"], return_counts=True)

@@ -142,17 +142,16 @@ class InterfaceLaw:
             below, above = np.fmax.accumulate(lower), np.fmin.accumulate(upper[::-1])[::-1]
             lower = np.where(np.isnan(lower), np.fmax(below, 0.0), lower)
             upper = np.where(np.isnan(upper), above, upper)
-
-        def row(values: NDArray[np.float64], start: float = 0.0) -> NDArray[np.float64]:
-            return np.concatenate([[start], values])
-
+        lower = np.minimum(_rising(lower, high), pressure)
+        upper = np.maximum(_rising(np.maximum.accumulate(upper), high), pressure)
+        heat = more.get("conductance", np.full(pressure.size, np.nan))
         return cls(
-            overclosure=row(reference - point.separation),
-            pressure=row(pressure),
-            lower=row(np.minimum(_rising(lower, high), pressure)),
-            upper=row(np.maximum(_rising(np.maximum.accumulate(upper), high), pressure)),
-            stiffness=row(point.stiffness, point.stiffness[0]),
-            conductance=row(more.get("conductance", np.full(pressure.size, np.nan))),
+            overclosure=np.insert(reference - point.separation, 0, 0.0),
+            pressure=np.insert(pressure, 0, 0.0),
+            lower=np.insert(lower, 0, 0.0),
+            upper=np.insert(upper, 0, 0.0),
+            stiffness=np.insert(point.stiffness, 0, point.stiffness[0]),
+            conductance=np.insert(heat, 0, 0.0),
             reference=reference,
             hardness=hardness,
         )
@@ -160,8 +159,7 @@ class InterfaceLaw:
     @property
     def work(self) -> float:
         """Work per nominal area from overclosure 0 up to the heaviest load [J/m^2]."""
-        mean = 0.5 * (self.pressure[1:] + self.pressure[:-1])
-        return float(np.sum(mean * np.diff(self.overclosure)))
+        return float(np.trapezoid(self.pressure, self.overclosure))
 
     def write(
         self,

@@ -130,12 +130,6 @@ class CurveTable:
         return contact_pressure(self.load, self.contact_area)
 
     @property
-    def nominal_area(self) -> float:
-        """Area of the map [m^2]; NaN in curves of earlier versions."""
-        held = self.settings.get("map")
-        return float(np.prod(held["shape"]) * np.prod(held["spacing"])) if held else np.nan
-
-    @property
     def asked(self) -> dict[str, NDArray[np.float64]]:
         """The load points as they were asked for, by name: "asked_pressure" [Pa] or
         "asked_separation" [m]; empty in curves of earlier versions."""

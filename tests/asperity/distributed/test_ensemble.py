@@ -15,7 +15,7 @@ from scipy import stats
 import asperity
 import surfaces
 from asperity.cli.main import main
-from asperity.distributed.bands import Confidence
+from asperity.distributed.bands import mean_and_scatter, relative_half_width
 from asperity.distributed.ensemble import enough, windows_of
 
 from .conftest import LOADS, MAKE, STEEL
@@ -25,12 +25,10 @@ HEIGHTS = st.floats(-1e3, 1e3).map(lambda x: round(x, 3))
 
 @given(arrays(float, st.tuples(st.integers(2, 12), st.just(3)), elements=HEIGHTS))
 def test_the_interval_is_that_of_student(curves):
-    mean = Confidence(3)
-    for curve in curves:
-        mean.add(curve)
-    np.testing.assert_allclose(mean.mean, curves.mean(axis=0), atol=1e-9)
-    np.testing.assert_allclose(mean.deviation, curves.std(axis=0, ddof=1), atol=1e-7)
-    for column, half in zip(curves.T, mean.half_width, strict=True):
+    mean, deviation, half_width = mean_and_scatter(curves)
+    np.testing.assert_allclose(mean, curves.mean(axis=0), atol=1e-9)
+    np.testing.assert_allclose(deviation, curves.std(axis=0, ddof=1), atol=1e-7)
+    for column, half in zip(curves.T, half_width, strict=True):
         if np.ptp(column) > 1e-3:
             low, high = stats.t.interval(
                 0.95, len(column) - 1, loc=column.mean(), scale=stats.sem(column)
@@ -41,12 +39,13 @@ def test_the_interval_is_that_of_student(curves):
 @pytest.mark.parametrize("members", [12, 25, 50])
 def test_the_band_asked_for_holds_the_mean_as_often_as_it_says(members):
     """4000 ensembles of scatter 0.3, of which about so many members tell enough."""
-    until, draws, mean = 1.96 * 0.3 / members**0.5, np.random.default_rng(0), Confidence(4000)
+    until, draws = 1.96 * 0.3 / members**0.5, np.random.default_rng(0)
+    curves = 1.0 + 0.3 * draws.standard_normal((2 * members + 20, 4000))
     widths, means = [], []
-    for _ in range(2 * members + 20):
-        mean.add(1.0 + 0.3 * draws.standard_normal(4000))
-        widths.append(mean.half_width / mean.mean)
-        means.append(mean.mean.copy())
+    for count in range(1, len(curves) + 1):
+        mean, _, half_width = mean_and_scatter(curves[:count])
+        widths.append(half_width / mean)
+        means.append(mean)
     held = 0
     for of_one, mean_of_one in zip(np.transpose(widths), np.transpose(means), strict=True):
         last = next(n for n in range(10, len(of_one) + 1) if enough(of_one[:n], until))
@@ -55,13 +54,13 @@ def test_the_band_asked_for_holds_the_mean_as_often_as_it_says(members):
 
 
 def test_points_that_did_not_converge_are_left_out():
-    mean = Confidence(2)
-    for curve in ([1.0, np.nan], [3.0, 5.0], [np.nan, 7.0]):
-        mean.add(np.array(curve))
-    assert mean.mean.tolist() == [2.0, 6.0] and mean.count.tolist() == [2.0, 2.0]
-    mean = Confidence(1)
-    mean.add(np.array([np.nan]))
-    assert mean.relative == np.inf and np.isnan(mean.half_width[0])
+    curves = np.array([[1.0, np.nan], [3.0, 5.0], [np.nan, 7.0]])
+    mean, _, half_width = mean_and_scatter(curves)
+    assert mean.tolist() == [2.0, 6.0]
+    for column, half in zip(([1.0, 3.0], [5.0, 7.0]), half_width, strict=True):
+        assert half == pytest.approx(stats.t.ppf(0.975, 1) * stats.sem(column), rel=1e-12)
+    nothing = np.full((1, 1), np.nan)
+    assert relative_half_width(nothing) == np.inf and np.isnan(mean_and_scatter(nothing)[2][0])
 
 
 def test_the_mean_is_that_of_the_curves(here, tmp_path):
