@@ -109,18 +109,18 @@ def _shared(parts: list[str], processors: int) -> list[list[str]]:
     The shortest come first: of loops that two parts need, the second then finds the code on disk.
     """
     shares: list[list[str]] = [[] for _ in range(min(len(parts), processors))]
-    for part in sorted(parts, key=_time, reverse=True):
-        min(shares, key=lambda share: sum(map(_time, share))).append(part)
-    return [sorted(share, key=_time) for share in shares]
+    for part in sorted(parts, key=SECONDS.__getitem__, reverse=True):
+        min(shares, key=_time).append(part)
+    return [sorted(share, key=SECONDS.__getitem__) for share in shares]
 
 
-def _time(part: str) -> float:
-    return SECONDS.get(part, 0.0)
+def _time(share: list[str]) -> float:
+    return sum(SECONDS[part] for part in share)
 
 
 def _compile(shares: list[list[str]]) -> None:
     """Compile each share of the parts in a process of its own."""
-    longest = max(sum(map(_time, share)) for share in shares)
+    longest = max(map(_time, shares))
     if sys.stderr is not None:
         about = 10 * math.ceil(0.13 * longest)
         sys.stderr.write(f"asperity: compiling for this machine, about {about} s, once\n")

@@ -301,13 +301,14 @@ def _curve(
             f"at {small} of {len(rows)} load points contacts are as small as a pixel of the map, "
             "which does not tell their loads: take smaller pixels or more load"
         )
-    body, yielded = decomposition.material, {}
+    body, more = decomposition.material, {}
     if body.hardness < np.inf:
-        yielded["unloading_stiffness"] = np.maximum(columns["unloading"], stiffness)
-        yielded["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
-        area_error = area_error * yielded_factor(yielded["plastic_share"], weights)
-    compared = {name: columns[name] for name in ("interaction_difference",) if name in columns}
-    load_error += sum(np.abs(values) for values in compared.values())
+        more["unloading_stiffness"] = np.maximum(columns["unloading"], stiffness)
+        more["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
+        area_error = area_error * yielded_factor(more["plastic_share"], weights)
+    if "interaction_difference" in columns:
+        more["interaction_difference"] = columns["interaction_difference"]
+        load_error = load_error + np.abs(columns["interaction_difference"])
     return ContactCurve(
         separation=separation,
         mean_pressure=pressure,
@@ -341,8 +342,7 @@ def _curve(
             "filled_share": columns["filled_share"],
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
-            **yielded,
-            **compared,
+            **more,
             **{name: np.array([row.terms[name] for row in rows]) for name in rows[0].terms},
         },
         reasons=tuple(row.reason for row in rows),

@@ -11,7 +11,7 @@ import os
 import sys
 import warnings
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from asperity.halfspace.material import HalfSpace
 from surfaces import self_affine
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.profiles import Profiles
-
-if TYPE_CHECKING:
-    from surfaces.peaks.summits import Summits
 
 __all__ = ["PARTS", "small_map"]
 
@@ -145,10 +142,11 @@ def _hardness() -> None:
     areas_under(_summit(), np.zeros(1, np.int64), np.zeros(1), np.ones(1), hard)
 
 
-def _summit() -> Summits:
+def _summit() -> Any:
+    """What is read of the summits of a map, of one summit."""
     one = np.zeros(1, np.int64)
     peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=one, col=one)
-    summit = SimpleNamespace(
+    return SimpleNamespace(
         hm=HeightMap(np.eye(4), (1.0, 1.0)),
         peaks=peaks,
         owner=one,
@@ -160,7 +158,6 @@ def _summit() -> Summits:
         floor=np.zeros(1),
         tilt=np.zeros((1, 2)),
     )
-    return cast("Summits", summit)
 
 
 def _bem() -> None:

@@ -110,10 +110,7 @@ def _informed(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> 
 
 def _map_row(hm: surfaces.HeightMap, missing: int) -> dict[str, Any]:
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
-    return {"ny": ny, "nx": nx, "dy": dy, "dx": dx} | {
-        "missing": missing,
-        "periodic": hm.periodic,
-    }
+    return {"ny": ny, "nx": nx, "dy": dy, "dx": dx, "missing": missing, "periodic": hm.periodic}
 
 
 def _told(step: Mapping[str, object]) -> str:

@@ -66,10 +66,8 @@ def finished(job: Job, folder: Path, at: NDArray[np.float64] | None = None) -> J
         found = read_about(path)
         if found.get("job") != job.digest:
             return None
-        return {
-            **found["outcome"],
-            **_values(None if at is None else ContactCurve.from_hdf5(path), at),
-        }
+        result: dict[str, Any] = found["outcome"]
+        return result if at is None else result | _values(ContactCurve.from_hdf5(path), at)
     except AsperityError:
         return None
 
@@ -110,15 +108,13 @@ def _run(
             about={"job": job.digest, "surface": job.surface.name, "outcome": result},
         )
         write_results(folder / job.file, content)
-        return {**result, **_values(curve, at)}
+        return result if at is None else result | _values(curve, at)
     except (AsperityError, MemoryError) as error:
         return failure(error)
 
 
-def _values(curve: ContactCurve | None, at: NDArray[np.float64] | None) -> dict[str, Any]:
+def _values(curve: ContactCurve, at: NDArray[np.float64]) -> dict[str, Any]:
     """Columns of a curve at the pressures asked for, NaN where a point did not converge."""
-    if curve is None or at is None:
-        return {}
     good = curve.converged
     read = curve.at(pressure=at[good]) if np.count_nonzero(good) > 1 else curve.select(good)
     values = {name: np.full(at.shape, np.nan) for name in QUANTITIES}

@@ -51,10 +51,9 @@ def sample_colors(count: int) -> list[str]:
 
 def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
     """Mean pressure over separation and contact area over mean pressure, of all samples."""
-    drawn = [(one, name) for one in samples for name in _drawn(one, len(samples))]
-    curves = [one.curves[name] for one, name in drawn]
-    apart = np.concatenate([curve.separation[curve.converged] for curve in curves])
-    loads = np.concatenate([curve.mean_pressure[curve.converged] for curve in curves])
+    drawn = _drawn(samples)
+    apart = np.concatenate([curve.separation[curve.converged] for curve, _ in drawn])
+    loads = np.concatenate([curve.mean_pressure[curve.converged] for curve, _ in drawn])
     length, length_unit = prefixed_unit(typical(apart), "m")
     stress, stress_unit = prefixed_unit(typical(loads), "Pa")
     separation, pressure = f"separation [{length_unit}]", f"mean pressure [{stress_unit}]"
@@ -67,10 +66,7 @@ def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
         ("load", "Load against separation", (separation, pressure), "x"),
         ("area", "Real contact area against load", (pressure, AREA), ""),
     ):
-        lines = [
-            _curve_line(curve, looks, scales, what)
-            for looks, curve in zip(_looks(samples), curves, strict=True)
-        ]
+        lines = [_curve_line(curve, looks, scales, what) for curve, looks in drawn]
         banded = any(line.band for line in lines)
         plot = line_figure(lines, *axes, linear=linear)
         found.append(Figure(plot, title, note if banded else ""))
@@ -137,27 +133,22 @@ def _curve_line(
     return Line(columns=columns, band=band, **looks)
 
 
-def _looks(samples: Sequence[Sample]) -> list[dict[str, Any]]:
-    """Label, color and marker of every curve: of one sample the colors tell the models apart, of
-    several the samples."""
-    found = []
+def _drawn(samples: Sequence[Sample]) -> list[tuple[ContactCurve, dict[str, Any]]]:
+    """The curves that are drawn, with label, color, marker and dash: of one sample the colors tell
+    the models apart, of several the samples."""
+    found, alone = [], len(samples) == 1
+    most = None if len(samples) <= ALL_CURVES else 1
     for one, color in zip(samples, sample_colors(len(samples)), strict=True):
-        for i, name in enumerate(_drawn(one, len(samples))):
+        for i, (name, curve) in enumerate([*one.curves.items()][:most]):
             own = BEM if "boundary" in name else MODEL if i == 0 else OTHER
-            found.append(
-                {
-                    "label": name if len(samples) == 1 else f"{one.name}: {name}",
-                    "color": own if len(samples) == 1 else color,
-                    "marker": "circle" if i == 0 else "diamond" if "boundary" in name else "dot",
-                    "dash": "solid" if i == 0 else "dashed",
-                }
-            )
+            looks = {
+                "label": name if alone else f"{one.name}: {name}",
+                "color": own if alone else color,
+                "marker": "circle" if i == 0 else "diamond" if "boundary" in name else "dot",
+                "dash": "solid" if i == 0 else "dashed",
+            }
+            found.append((curve, looks))
     return found
-
-
-def _drawn(sample: Sample, count: int) -> list[str]:
-    """Names of the curves of a sample that are drawn, of so many samples."""
-    return list(sample.curves)[: None if count <= ALL_CURVES else 1]
 
 
 def typical(values: NDArray[np.float64]) -> float:
