@@ -206,9 +206,13 @@ def _draw_reference(reference: BemIndentation, axes) -> None:  # type: ignore[no
 
 def _draw_rays(compared: LawComparison, axes) -> None:  # type: ignore[no-untyped-def]
     """Pressure along 0, 30 and 45 degrees: laws as lines, boundary elements as dots."""
-    solved = [row for row in compared.rows if row.solution and np.isfinite(row.solution.radius)]
-    shown = [row for row in solved if row.law in ("paper", "harmonic")]
-    longest = max((float(row.solution.contour(0.0)) for row in shown if row.solution), default=0.0)
+    solved = [(row.law, row.solution) for row in compared.rows if row.solution is not None]
+    shown = [
+        (law, one)
+        for law, one in solved
+        if law in ("paper", "harmonic") and np.isfinite(one.radius)
+    ]
+    longest = max((float(one.contour(0.0)) for _, one in shown), default=0.0)
     if longest == 0.0:
         axes.set_axis_off()
         return
@@ -216,15 +220,13 @@ def _draw_rays(compared: LawComparison, axes) -> None:  # type: ignore[no-untype
         angle = np.radians(degrees)
         r = np.linspace(0.01, 1.6, 160) * longest
         x, y = r * np.cos(angle), r * np.sin(angle)
-        for row, style in zip(shown, ("--", "-"), strict=False):
-            assert row.solution is not None
-            scale = float(row.solution.force / (np.pi * row.solution.radius**2))
-            field_values = row.solution.pressure(x, y) / scale
-            label = f"{row.law}, {degrees} deg"
-            axes.plot(r, field_values, style, color=color, lw=1.1, label=label)
-            if compared.reference is not None and row is shown[-1]:
-                dots = compared.reference.pressure(x, y) / scale
-                axes.plot(r[::4], dots[::4], "o", color=color, ms=2.5)
+        for (law, one), style in zip(shown, ("--", "-"), strict=False):
+            scale = float(one.force / (np.pi * one.radius**2))
+            label = f"{law}, {degrees} deg"
+            axes.plot(r, one.pressure(x, y) / scale, style, color=color, lw=1.1, label=label)
+        if compared.reference is not None:
+            dots = compared.reference.pressure(x, y) / scale
+            axes.plot(r[::4], dots[::4], "o", color=color, ms=2.5)
     axes.set(xlabel="r [m]", ylabel="pressure / mean pressure", title="pressure along rays")
     axes.set_ylim(0, 5)
     axes.legend(fontsize=7)

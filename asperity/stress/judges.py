@@ -20,7 +20,7 @@ from asperity.bem.solution import BemSolution
 from asperity.bem.solve import bem_solve
 from asperity.curve import contact_curve
 from asperity.engine.solve import solve
-from asperity.errors import AsperityError, Flag
+from asperity.errors import AsperityError
 from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
@@ -38,7 +38,6 @@ __all__ = [
     "certified",
     "close",
     "refuse",
-    "taken",
 ]
 
 Array = NDArray[np.float64]
@@ -75,13 +74,11 @@ ENGINES: Mapping[str, Callable[..., ContactCurve]] = {
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A map, a half-space and mean pressures [Pa], shape (n,), with the boundary "periodic" or
-    "free", as the map says if None."""
+    """A map, a half-space and mean pressures [Pa], shape (n,)."""
 
     hm: HeightMap
     material: HalfSpace
     pressures: Array
-    boundary: str | None = None
 
     @classmethod
     def of(
@@ -91,12 +88,11 @@ class Question:
         *,
         lightest: float = 1e-3,
         heaviest: float = 0.1,
-        boundary: str | None = None,
     ) -> Question:
         """Five loads between two shares of the pressure that flattens the roughness."""
         body = material or HalfSpace.from_modulus(1e9)
         loads = pressure_scale(hm, body) * np.geomspace(lightest, heaviest, 5)
-        return cls(hm, body, loads, boundary)
+        return cls(hm, body, loads)
 
     def on(self, hm: HeightMap) -> Question:
         """The question about another map."""
@@ -104,9 +100,7 @@ class Question:
 
     def answer(self, engine: str) -> ContactCurve:
         """The contact curve of an engine; `Refused` where it has no load point."""
-        curve = ENGINES[engine](
-            self.hm, self.material, pressures=self.pressures, boundary=self.boundary
-        )
+        curve = ENGINES[engine](self.hm, self.material, pressures=self.pressures)
         if not curve.converged.any():
             refuse(curve.reasons[0])
         return curve
@@ -177,7 +171,6 @@ def bounded(engine: str, question: Question, finer: HeightMap | None = None) -> 
         question.material,
         pressures=question.pressures,
         tolerance=EXACT,
-        boundary=question.boundary,
     )
     if not exact.converged.all():
         raise Refused(f"no reference: {next(filter(None, exact.reasons))}")
@@ -201,13 +194,7 @@ def certified(question: Question) -> float:
     """Boundary elements at each load, by displacements that are not those of the solver."""
     return max(
         certificate(
-            bem_solve(
-                question.hm,
-                question.material,
-                pressure=float(load),
-                tolerance=TOLERANCE,
-                boundary=question.boundary,
-            ),
+            bem_solve(question.hm, question.material, pressure=float(load), tolerance=TOLERANCE),
             question,
             float(load),
         )
@@ -240,9 +227,3 @@ def close(found: tuple[Any, ...], exact: tuple[float, ...], allowed: tuple[float
     """Numbers against those of a closed form, by relative errors allowed."""
     error = np.abs(np.array(found, float) / np.array(exact) - 1.0)
     return _worst(error, np.array(allowed))
-
-
-def taken(flags: int) -> None:
-    """Refuse an indentation that its flags call doubtful."""
-    if flags:
-        raise Refused(f"marked as {Flag(flags).name}")

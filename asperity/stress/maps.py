@@ -35,18 +35,18 @@ def rough(shape: tuple[int, int] = SHAPE, *, pixel: float = 1e-6, slope: float =
 
 
 def _grid() -> tuple[Array, Array]:
-    y, x = np.indices(SHAPE)
-    return y.astype(float), x.astype(float)
+    y, x = np.indices(SHAPE, dtype=float)
+    return y, x
 
 
 def _noise() -> Array:
     return np.random.default_rng(5).normal(size=SHAPE)
 
 
-def _around(radius: float) -> Array:
-    """Distance from the middle of a hill on every square of side `radius`, over half of that."""
+def _around() -> Array:
+    """Distance from the middle of a hill on every square of side `WAVE`, over half of that."""
     y, x = _grid()
-    return np.hypot((y + 0.5) % radius - radius / 2, (x + 0.5) % radius - radius / 2) * 2 / radius
+    return np.hypot((y + 0.5) % WAVE - WAVE / 2, (x + 0.5) % WAVE - WAVE / 2) * 2 / WAVE
 
 
 def _spiked(height: float, heights: Array) -> Array:
@@ -61,11 +61,11 @@ def _pitted() -> Array:
 
 
 TEXTURES: dict[str, Callable[[], Any]] = {
-    "sharp tips": lambda: -_around(WAVE),
-    "cusps": lambda: -np.sqrt(_around(WAVE)),
-    "flat tops": lambda: -np.maximum(_around(WAVE), 0.5),
-    "beads": lambda: np.sqrt(np.maximum(1.0 - _around(WAVE) ** 2, 0.0)),
-    "dimples": lambda: -np.sqrt(np.maximum(1.0 - _around(WAVE) ** 2, 0.0)),
+    "sharp tips": lambda: -_around(),
+    "cusps": lambda: -np.sqrt(_around()),
+    "flat tops": lambda: -np.maximum(_around(), 0.5),
+    "beads": lambda: np.sqrt(np.maximum(1.0 - _around() ** 2, 0.0)),
+    "dimples": lambda: -np.sqrt(np.maximum(1.0 - _around() ** 2, 0.0)),
     "spike of 30 rms": lambda: _spiked(30.0, rough_heights()),
     "spike of 400 rms": lambda: _spiked(400.0, rough_heights()),
     "spike of 300 rms on noise": lambda: _spiked(300.0, _noise()),

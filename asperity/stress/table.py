@@ -71,7 +71,7 @@ def _row(case: Case) -> Row:
     if reason == "" and ratio != ratio:
         reason = "no number"
     elif reason == "":
-        outcome, reason = RIGHT, ""
+        outcome = RIGHT
         if case.must_refuse:
             outcome, reason = FAILURE, "an answer where there is none"
         elif not ratio <= 1.0:
