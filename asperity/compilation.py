@@ -56,10 +56,10 @@ def compile_ahead(*parts: str) -> None:
         (contacts under one) and "bem" (boundary elements).
     """
     if _missing(parts):
-        with _alone():
+        with _locked():
             missing = _missing(parts)  # another process may have compiled them meanwhile
             if missing:
-                _compile(_shared(missing, available()))
+                _compile(_shares(missing, available()))
     _compiled.update(parts)
 
 
@@ -74,7 +74,7 @@ def compiling(part: str) -> Iterator[None]:
     _compiled.update({part, *CURVE, *HARD})
     yield
     stamps = {str(source): stamp(source) for source in kept_sources()}
-    _note(part).write_text(json.dumps(stamps), encoding="utf-8")
+    _stamp_file(part).write_text(json.dumps(stamps), encoding="utf-8")
 
 
 def _missing(parts: tuple[str, ...]) -> list[str]:
@@ -84,18 +84,18 @@ def _missing(parts: tuple[str, ...]) -> list[str]:
 def _on_disk(part: str) -> bool:
     """Whether a part was compiled from files and versions as they are now."""
     try:
-        stamps = json.loads(_note(part).read_text(encoding="utf-8"))
+        stamps = json.loads(_stamp_file(part).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return False
     return all(stamp(Path(source)) == found for source, found in stamps.items())
 
 
-def _note(part: str) -> Path:
+def _stamp_file(part: str) -> Path:
     return cache_folder() / f"{part}.json"
 
 
 @contextmanager
-def _alone() -> Iterator[None]:
+def _locked() -> Iterator[None]:
     """Let one process compile at a time: of several that start together the others wait."""
     with open(cache_folder() / "lock", "w") as lock:
         with suppress(OSError):  # a file system without locks
@@ -103,7 +103,7 @@ def _alone() -> Iterator[None]:
         yield
 
 
-def _shared(parts: list[str], processors: int) -> list[list[str]]:
+def _shares(parts: list[str], processors: int) -> list[list[str]]:
     """Parts for each processor, so that all end at about the same time.
 
     The shortest come first: of loops that two parts need, the second then finds the code on disk.

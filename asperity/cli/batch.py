@@ -17,7 +17,7 @@ from asperity.progress import bar
 
 from . import targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
-from .messages import tell, told, warn, warnings_told
+from .messages import error_text, tell, warn, warnings_told
 
 Work = Callable[[argparse.Namespace], Mapping[str, Any]]
 """Does the work on the input ``file`` of the options and returns what it found, by name.
@@ -100,7 +100,7 @@ def _one(run: argparse.Namespace, work: Work) -> tuple[dict[str, Any], int]:
         with warnings_told(run):
             found = work(run)
     except (AsperityError, MemoryError) as error:
-        text = told(run.file, error)
+        text = error_text(run.file, error)
         warn(run, text)
         reason = text.removeprefix(f"{run.file}: ")
         bad = not isinstance(error, ConvergenceError)

@@ -70,10 +70,10 @@ def _compare(
     if args.csv:
         write_csv(args.csv, columns(comparison.table))
     tell(f"{args.file}\n{comparison}\nresults         {args.output}")
-    return found(comparison, hm) | {"output": args.output}
+    return _row(comparison, hm) | {"output": args.output}
 
 
-def found(comparison: Comparison, hm: HeightMap) -> dict[str, Any]:
+def _row(comparison: Comparison, hm: HeightMap) -> dict[str, Any]:
     """A row of the table, and what else a comparison tells."""
     from asperity.results.storage import columns
 

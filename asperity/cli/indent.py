@@ -78,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
         head = f"{label}   m = {material.m:g}   E* = {material.modulus:.6g}"
         tell(f"{head}   {sign} = {value:.6g} {unit}\n{compared.table()}\n")
         args.document.append(
-            {name: value, "m": material.m, "modulus": material.modulus} | found(compared)
+            {name: value, "m": material.m, "modulus": material.modulus} | _results(compared)
         )
         good &= compared.reference is None or bool(compared.reference.converged)
         good &= any(row.solution is not None and row.solution.valid for row in compared.rows)
@@ -88,7 +88,7 @@ def run(args: argparse.Namespace) -> int:
     return 0 if good else 1
 
 
-def found(compared: LawComparison) -> dict[str, Any]:
+def _results(compared: LawComparison) -> dict[str, Any]:
     """What the laws and the boundary elements tell of one contact."""
     told = ("force", "approach", "contact_area", "error_estimate", "saturated")
     errors = ("force_error", "contour_error", "area_error", "approach_error", "seconds")

@@ -32,7 +32,7 @@ def warn(args: argparse.Namespace, text: str) -> None:
     tqdm.write(f"{command_name(args)}: {text}", file=sys.stderr)
 
 
-def told(file: str | Path, error: BaseException) -> str:
+def error_text(file: str | Path, error: BaseException) -> str:
     """What went wrong with one of several files, in one sentence that names it."""
     text = " ".join(str(error).split()) or "out of memory"
     return text if str(file) in text else f"{file}: {text}"

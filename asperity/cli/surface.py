@@ -74,19 +74,19 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
     if args.memory is None:
         hm = read_map(args.file, args)
         if not args.report:
-            return _informed(args.file, hm, surfaces.describe(hm))
+            return _describe(args.file, hm, surfaces.describe(hm))
         from surfaces.page import section
 
         args.sections.append(section(hm))
-        return _informed(args.file, hm, args.sections[-1].found)
+        return _describe(args.file, hm, args.sections[-1].found)
     if args.report:
         raise InputError("--report draws the map and needs all of it; leave out --memory")
     with open_map(args.file, args) as file:
         hm = file.on_disk()
-    return _informed(args.file, hm, surfaces.describe(hm))
+    return _describe(args.file, hm, surfaces.describe(hm))
 
 
-def _informed(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> Mapping[str, Any]:
+def _describe(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> Mapping[str, Any]:
     """Tell what a map is and how rough; returns its row of the table."""
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
     missing = round(found.missing * ny * nx)
@@ -95,7 +95,7 @@ def _informed(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> 
         f"pixel       {dy:.6g} x {dx:.6g} m, map {ny * dy:.6g} x {nx * dx:.6g} m",
         f"periodic    {'yes' if hm.periodic else 'no'}",
         *str(found).splitlines(),
-        *(f"history     {_told(step)}" for step in hm.history),
+        *(f"history     {_step_text(step)}" for step in hm.history),
     ]
     tell("\n".join([path, *(f"  {line}" for line in lines)]))
     spectral = {} if found.moments is None else {"rms_slope": found.moments.rms_slope}
@@ -113,15 +113,15 @@ def _map_row(hm: surfaces.HeightMap, missing: int) -> dict[str, Any]:
     return {"ny": ny, "nx": nx, "dy": dy, "dx": dx, "missing": missing, "periodic": hm.periodic}
 
 
-def _told(step: Mapping[str, object]) -> str:
-    details = ", ".join(f"{key} {_short(value)}" for key, value in step.items() if key != "step")
+def _step_text(step: Mapping[str, object]) -> str:
+    details = ", ".join(f"{key} {_text(value)}" for key, value in step.items() if key != "step")
     return f"{step.get('step', '?')}: {details}"
 
 
-def _short(value: object) -> str:
+def _text(value: object) -> str:
     """A value of the history, its numbers to six digits."""
     if isinstance(value, list | tuple):
-        return " ".join(map(_short, value))
+        return " ".join(map(_text, value))
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
@@ -161,7 +161,7 @@ def _read_and_prepared(args: argparse.Namespace) -> surfaces.HeightMap:
     before = read_map(args.file, args)
     hm = prepared(before, args)
     for step in hm.history[len(before.history) :]:
-        tell(f"{args.file}: {_told(step)}")
+        tell(f"{args.file}: {_step_text(step)}")
     return hm
 
 

@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     commands = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
 
     info = _command(commands, "info", "what a map is and how rough it is, as it stands")
-    _files(info)
+    _file_options(info)
     targets.add_target(
         info,
         "--report",
@@ -58,21 +58,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         one=True,
         help="HTML page of all maps, numbers and pictures",
     )
-    _told(info)
+    _table_options(info)
 
     validate = _command(commands, "validate", "name every fault of HDF5 height-map files")
     batch.add_files(validate)
     validate.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
-    _told(validate)
+    _table_options(validate)
 
     convert = _command(commands, "convert", "rewrite maps as HDF5 schema 1, .npz, .txt or .csv")
-    _files(convert)
-    _output(convert, ANY_OUTPUT)
+    _file_options(convert)
+    _output_options(convert, ANY_OUTPUT)
     batch.add_table(convert)
 
     prepare = _command(commands, "prepare", "level, remove outliers, fill, filter, make periodic")
-    _files(prepare)
-    _output(prepare, ANY_OUTPUT)
+    _file_options(prepare)
+    _output_options(prepare, ANY_OUTPUT)
     batch.add_table(prepare)
     add_preparation(prepare)
 
@@ -85,10 +85,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SIZE",
         help="make the map by blocks in the file, in so much memory (2GiB); self-affine",
     )
-    _output(generate, "file to write")
+    _output_options(generate, "file to write")
 
     peaks = _command(commands, "peaks", "prepare a map and list its peaks")
-    _files(peaks)
+    _file_options(peaks)
     add_preparation(peaks, fill="none")
     finding = peaks.add_argument_group("peaks")
     finding.add_argument("--above", type=LENGTH, metavar="D", help="only heights above this [m]")
@@ -108,7 +108,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     ):
         names = ("-o", name) if name == "--output" else (name,)
         targets.add_target(finding, *names, suffix=suffix, help=what)
-    _told(peaks)
+    _table_options(peaks)
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
@@ -194,17 +194,17 @@ def _command(
     )
 
 
-def _files(parser: argparse.ArgumentParser) -> None:
+def _file_options(parser: argparse.ArgumentParser) -> None:
     batch.add_files(parser)
     add_reading(parser)
 
 
-def _told(parser: argparse.ArgumentParser) -> None:
+def _table_options(parser: argparse.ArgumentParser) -> None:
     targets.add_force(parser)
     batch.add_table(parser)
 
 
-def _output(parser: argparse.ArgumentParser, what: str) -> None:
+def _output_options(parser: argparse.ArgumentParser, what: str) -> None:
     targets.add_target(
         parser, "-o", "--output", suffix=".h5", formats=NOT_HDF5, required=True, help=what
     )

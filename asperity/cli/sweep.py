@@ -18,7 +18,7 @@ from asperity.progress import bar
 
 from . import batch, options, quantities, targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
-from .messages import tell, told
+from .messages import error_text, tell
 from .solve import add_accuracy_options, settings_of
 
 if TYPE_CHECKING:
@@ -210,7 +210,7 @@ def _merged(
         words = _words(given, Path(file), maps)
         found: argparse.Namespace = args.planned.parse_args(words, copy.copy(args))
     except InputError as error:
-        raise InputError(told(file, error)) from None
+        raise InputError(error_text(file, error)) from None
     return found
 
 

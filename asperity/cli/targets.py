@@ -123,12 +123,12 @@ def require(
             if place in taken:
                 raise InputError(f"{file} {taken[place]}; give every output a name of its own")
             taken[place] = "is named for two outputs"
-            resumes, mended = getattr(args, "resume", None), "--force replaces it"
+            resumes, remedy = getattr(args, "resume", None), "--force replaces it"
             if resumes is not None and option == "output":
-                mended += ", --resume goes on with it"
+                remedy += ", --resume goes on with it"
             elif resumes:
-                mended += ", and with --resume the results are kept"
-            require_place(file, args.force or (resumes and option == "output"), mended)
+                remedy += ", and with --resume the results are kept"
+            require_place(file, args.force or (resumes and option == "output"), remedy)
             if option in PICTURES:
                 _require_picture(file)
             elif target.suffix:
@@ -136,12 +136,12 @@ def require(
 
 
 def require_place(
-    file: str | Path, replace: bool | None, mended: str = "--force replaces it"
+    file: str | Path, replace: bool | None, remedy: str = "--force replaces it"
 ) -> None:
     """Refuse a file that cannot be written, or is there already and must not be replaced."""
     place = require_replaceable(file)
     if not replace and place.exists():
-        raise InputError(f"{file} is there already; {mended}")
+        raise InputError(f"{file} is there already; {remedy}")
     if not place.parent.is_dir():
         raise InputError(f"{file}: cannot be written, its folder does not exist")
     try:

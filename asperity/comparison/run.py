@@ -102,7 +102,7 @@ def compare(
         require_plan(plan)
     if reference is not None and not callable(reference):
         raise InputError(f"reference is {reference!r}; give what makes the curve, or None")
-    loads: dict[str, Any] = {"pressures" if kind == "pressure" else "separations": values}
+    loads: dict[str, Any] = {f"{kind}s": values}
     chosen: dict[str, Any] = {
         "law": law,
         "interaction": interaction,

@@ -260,7 +260,7 @@ class ContactCurve(CurveTable):
             f"seconds         {sum(self.seconds.values()):.3g} ({stages})",
         ]
         if self.verification is not None:
-            lines += _told(self.settings.get("engine", self.model), self.verification)
+            lines += _verification_lines(self.settings.get("engine", self.model), self.verification)
         if alone is not None:
             lines.append(f"interaction     left out: load {span(100 * alone, ' %')} off by that")
         lines += [f"warning         {why}" for why in self.settings.get("warnings", ())]
@@ -270,7 +270,7 @@ class ContactCurve(CurveTable):
     __repr__ = __str__
 
 
-def _told(engine: str, verification: Mapping[str, Any]) -> list[str]:
+def _verification_lines(engine: str, verification: Mapping[str, Any]) -> list[str]:
     """Lines about engine, accuracy and resolution."""
     load, area = (f"{share:.2g}" for share in verification["accuracy"])
     met = "met" if verification["met"] else "NOT MET"

@@ -142,8 +142,8 @@ class InterfaceLaw:
             below, above = np.fmax.accumulate(lower), np.fmin.accumulate(upper[::-1])[::-1]
             lower = np.where(np.isnan(lower), np.fmax(below, 0.0), lower)
             upper = np.where(np.isnan(upper), above, upper)
-        lower = np.minimum(_rising(lower, high), pressure)
-        upper = np.maximum(_rising(np.maximum.accumulate(upper), high), pressure)
+        lower = np.minimum(_strictly_rising(lower, high), pressure)
+        upper = np.maximum(_strictly_rising(np.maximum.accumulate(upper), high), pressure)
         heat = more.get("conductance", np.full(pressure.size, np.nan))
         return cls(
             overclosure=np.insert(reference - point.separation, 0, 0.0),
@@ -202,7 +202,7 @@ class InterfaceLaw:
         if np.isnan(pressure).any():
             raise InputError(f"the curve states no error: its law has no {band} band")
         mark = "# " if format == "moose" else "** "
-        lines = [mark + text for text in self._told(units, band)]
+        lines = [mark + text for text in self._heading(units, band)]
         lines += [mark + _CALCULIX_NOTE] if format == "calculix" else []
         if format == "moose":
             lines.append(",".join(table))
@@ -253,7 +253,7 @@ class InterfaceLaw:
         except (ValueError, KeyError, IndexError) as error:
             raise FileFormatError(f"{path} is no interface law: {error}") from error
 
-    def _told(self, units: str, band: str) -> list[str]:
+    def _heading(self, units: str, band: str) -> list[str]:
         return [
             f"Interface law of asperity: mean pressure ({band}) against overclosure",
             f"units {units}, reference {self.reference:.10g} m, hardness {self.hardness:.10g} Pa",
@@ -282,7 +282,7 @@ def _scales(units: str) -> dict[str, float]:
     return {"overclosure": length, **forces, "stiffness": stress / length, "conductance": thermal}
 
 
-def _rising(pressure: NDArray[np.float64], high: float) -> NDArray[np.float64]:
+def _strictly_rising(pressure: NDArray[np.float64], high: float) -> NDArray[np.float64]:
     """Pressures of which each exceeds the one before, as programs ask for, if by next to nothing
     of the highest: a band may be zero, or stay at the hardness, over many rows."""
     steps = 1e-9 * high * np.arange(1, pressure.size + 1)

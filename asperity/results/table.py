@@ -271,7 +271,7 @@ class CurveTable:
             from matplotlib import pyplot
 
             ax = pyplot.subplots(layout="constrained")[1]
-        order = np.argsort(self._rising(), kind="stable")
+        order = np.argsort(self._light_to_heavy(), kind="stable")
         across, up = (held[name].astype(float)[order] / axis(name)[1] for name in (x, y))
         look: dict[str, Any] = {"marker": "o", "markersize": 4, "label": self.model} | style
         (line,) = ax.plot(across, up, **look)
@@ -292,7 +292,7 @@ class CurveTable:
         ax.set(xlabel=axis(x)[0], ylabel=axis(y)[0])
         return ax
 
-    def _rising(self) -> NDArray[np.float64]:
+    def _light_to_heavy(self) -> NDArray[np.float64]:
         """What orders the load points from light to heavy."""
         if "asked_separation" in self.extra:
             return -self.extra["asked_separation"]

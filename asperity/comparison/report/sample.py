@@ -80,18 +80,15 @@ def read_sample(path: str | os.PathLike[str]) -> Sample:
 
 def named_apart(samples: Sequence[Sample]) -> list[Sample]:
     """The samples with names that differ: with that of its file, or a number, where needed."""
-
-    def apart(i: int, names: Sequence[str]) -> bool:
-        return names.count(names[i]) == 1
-
     names = [one.name for one in samples]
     files = [f"{one.name}, {one.file}" for one in samples]
-    return [
-        one
-        if apart(i, names)
-        else dataclasses.replace(one, name=files[i] if apart(i, files) else f"{files[i]} ({i + 1})")
-        for i, one in enumerate(samples)
-    ]
+    found = []
+    for i, one in enumerate(samples):
+        name = one.name
+        if names.count(name) > 1:
+            name = files[i] if files.count(files[i]) == 1 else f"{files[i]} ({i + 1})"
+        found.append(dataclasses.replace(one, name=name))
+    return found
 
 
 def curve_verdict(name: str, curve: ContactCurve) -> str:
