@@ -158,7 +158,6 @@ def _driven(args: argparse.Namespace, profile: Any) -> tuple[str, list[float]]:
     if args.shape is not None:
         return "approach", [1.0]
     turn = 2 * np.pi * np.arange(64) / 64
-    end = profile.radius if profile.edge is None else profile.edge
-    return "approach", [
-        float(np.min(profile(end / 2, turn if profile.edge is None else profile.phi)))
-    ]
+    whole = profile.edge is None
+    end, phi = (profile.radius, turn) if whole else (profile.edge, profile.phi)
+    return "approach", [float(np.min(profile(end / 2, phi)))]

@@ -56,22 +56,19 @@ def add_material_options(parser: argparse.ArgumentParser, **how: Any) -> None:
     """Options of the elastic half-space; `how` with ``nargs`` lets each take several values."""
     group = parser.add_argument_group("material")
     number, pressure = quantities.of("plain number"), quantities.of("pressure")
-    for name, kind, settings, text in (
-        ("--E", pressure, {"metavar": "P"}, "Young's modulus [Pa], or 210GPa; E0 if graded"),
-        ("--nu", number, {}, "Poisson's ratio (default 0.3)"),
-        ("--m", number, {"default": 0.0}, "exponent of E(z) = E z^m (default 0)"),
-        ("--modulus", pressure, {"metavar": "P"}, "composite modulus E* [Pa] in place of E, nu"),
-        (
-            "--hardness",
-            pressure,
-            {"metavar": "P"},
-            "largest contact pressure that the body bears [Pa] (default: no limit)",
-        ),
-        ("--E2", pressure, {"metavar": "E"}, "Young's modulus of a second body [Pa]"),
-        ("--nu2", number, {}, "its Poisson's ratio (default 0.3)"),
-        ("--hardness2", pressure, {"metavar": "P"}, "its hardness [Pa] (default: no limit)"),
+    for name, kind, text in (
+        ("--E", pressure, "Young's modulus [Pa], or 210GPa; E0 if graded"),
+        ("--nu", number, "Poisson's ratio (default 0.3)"),
+        ("--m", number, "exponent of E(z) = E z^m (default 0)"),
+        ("--modulus", pressure, "composite modulus E* [Pa] in place of E, nu"),
+        ("--hardness", pressure, "largest contact pressure of the body [Pa] (default: no limit)"),
+        ("--E2", pressure, "Young's modulus of a second body [Pa]"),
+        ("--nu2", number, "its Poisson's ratio (default 0.3)"),
+        ("--hardness2", pressure, "its hardness [Pa] (default: no limit)"),
     ):
-        group.add_argument(name, type=kind, help=text, **settings, **how)
+        metavar = "P" if kind is pressure else None
+        group.add_argument(name, type=kind, metavar=metavar, help=text, **how)
+    parser.set_defaults(m=0.0)
 
 
 def add_model_options(parser: argparse.ArgumentParser) -> None:

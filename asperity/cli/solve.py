@@ -108,14 +108,15 @@ class _Resumable:
         points = how.pop(kind)
         how = {name: value for name, value in how.items() if value is not None}
 
+        tell_engine = progress
+
         def solve(progress: Any, **asked: Any) -> ContactCurve:
             def both(point: SolvedLoad) -> None:
-                keep(point)
+                tell_engine(point)
                 progress(point)
 
             return bem_curve(hm, material, progress=both, **asked, **how)
 
-        keep = progress
         self.asked = np.append(self.asked, points)
         self.solved = output.solve_and_keep(
             solve, hm, material, {kind: self.asked}, self.args, "bem", self.request

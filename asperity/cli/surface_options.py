@@ -101,13 +101,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PERCENT",
         help="the same in %% of the height range",
     )
-    for name, suffix, what in (
-        ("--plot", ".png", "picture of map, summits and basins"),
-        ("--fans", ".png", "picture of the nine highest profiles"),
-        ("--output", ".csv", "write all peaks as CSV"),
-    ):
-        names = ("-o", name) if name == "--output" else (name,)
-        targets.add_target(finding, *names, suffix=suffix, help=what)
+    targets.add_target(finding, "--plot", suffix=".png", help="picture of map, summits and basins")
+    targets.add_target(finding, "--fans", suffix=".png", help="profiles of the nine highest peaks")
+    targets.add_target(finding, "-o", "--output", suffix=".csv", help="write all peaks as CSV")
     _table_options(peaks)
 
 

@@ -198,22 +198,22 @@ class InterfaceLaw:
         count = len(self.pressure)
         rows = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
         table = {name: getattr(self, name)[rows] * scale for name, scale in _scales(units).items()}
-        pressure = table[band]
-        if np.isnan(pressure).any():
+        table["pressure"] = table[band]
+        if np.isnan(table[band]).any():
             raise InputError(f"the curve states no error: its law has no {band} band")
         mark = "# " if format == "moose" else "** "
         lines = [mark + text for text in self._heading(units, band)]
         lines += [mark + _CALCULIX_NOTE] if format == "calculix" else []
         if format == "moose":
             lines.append(",".join(table))
-            columns = np.column_stack([*(table | {"pressure": pressure}).values()])
-            lines += [",".join(f"{value:.10g}" for value in values) for values in columns]
+            cells = zip(*table.values(), strict=True)
+            lines += [",".join(f"{value:.10g}" for value in row) for row in cells]
         else:
             lines.append("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR")
-            lines += _pairs(pressure, table["overclosure"])
+            lines += _pairs(table["pressure"], table["overclosure"])
             if np.isfinite(self.conductance).all():
                 lines.append("*GAP CONDUCTANCE" + (", PRESSURE" if format == "abaqus" else ""))
-                lines += _pairs(table["conductance"], pressure)
+                lines += _pairs(table["conductance"], table["pressure"])
         with replacing(path) as part:
             part.write_text("\n".join(lines) + "\n")
 
