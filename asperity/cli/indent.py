@@ -13,6 +13,7 @@ from asperity.halfspace.material import HalfSpace
 from surfaces import PolarProfile, PowerSumProfile
 
 from . import batch, bodies, options, quantities, targets
+from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 from .messages import tell
 from .surface_options import add_reading
 
@@ -85,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
     if args.plot and compared is not None:
         targets.save_figure(draw_laws(compared, title=label), args.plot)
         tell(f"picture: {args.plot}")
-    return 0 if good else 1
+    return EXIT_OK if good else EXIT_NOT_CONVERGED
 
 
 def _results(compared: LawComparison) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import sys
 from dataclasses import fields
 
 from . import targets
+from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 
 EPILOG = """examples:
   asperity stress -o stress.csv
@@ -28,8 +29,6 @@ def run(args: argparse.Namespace) -> int:
     from asperity.results.storage import write_csv
     from asperity.stress.table import FAILURE, Row, cases, summary
     from asperity.stress.table import run as rows_of
-
-    from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 
     targets.require(args)
     chosen = cases(args.theme)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from .exit_codes import EXIT_OK
+
 EPILOG = """example:
   asperity warmup
 """
@@ -15,7 +17,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compile what the disk does not hold, and name the folder that keeps it."""
-    from asperity.cli.exit_codes import EXIT_OK
     from asperity.compilation import CURVE, HARD, compile_ahead
     from surfaces.numerics.compiled import cache_folder
 
