@@ -48,10 +48,12 @@ def coarse_maps(
     is row and column of the point that is the first of every coarser grid. About one that belongs
     to the surface, maps that are moved or mirrored have equal coarser maps.
     """
+    import cv2
+
     maps: list[NDArray[np.float64]] = []
     for ny, nx in reversed(shapes):
         if boundary == "free":
-            heights = np.ascontiguousarray(_averaged(_averaged(heights, ny).T, nx).T)
+            heights = np.asarray(cv2.resize(heights, (nx, ny), interpolation=cv2.INTER_AREA), float)
         else:
             y, x = (
                 (first + 0.5) / old - 0.5 / new
@@ -61,21 +63,6 @@ def coarse_maps(
         heights.setflags(write=False)  # as those of a HeightMap: loops are compiled for one kind
         maps.insert(0, heights)
     return maps
-
-
-def _averaged(values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Means over `count` equal intervals of the first axis."""
-    n = values.shape[0]
-    if count == n:
-        return values
-    if n == 2 * count:
-        return 0.5 * (values[::2] + values[1::2])
-    integral = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
-    edges = np.arange(count + 1) * (n / count)
-    below = np.minimum(edges.astype(int), n - 1)
-    share = (edges - below)[:, None]
-    at_edges = (1.0 - share) * integral[below] + share * integral[below + 1]
-    return np.asarray(np.diff(at_edges, axis=0) * (count / n))
 
 
 def prolong(

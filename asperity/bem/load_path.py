@@ -140,7 +140,7 @@ class LoadPath:
         self.problem = problem
         self._accuracy = accuracy
         self._tolerance = problem.tolerance
-        self._old: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
+        self._old: tuple[NDArray[np.float32], ...] | None = None
         self._means = (0.0, 0.0)
         self._level = 0.0
         self._points = 0
@@ -160,12 +160,14 @@ class LoadPath:
         mean = goal.mean if goal.level is None else self._forecast(goal.level)
         solution = None
         near = 0.0 < mean <= _LARGEST_RATIO * last
-        if near and self._two_known():
+        # the state at no load counts as known while the contact has few points
+        if near and (self._means[0] > 0.0 or self._points <= _FEW_POINTS):
             self._predict(mean)
             with contextlib.suppress(PoorPredictionError):
                 solution = problem.solve(goal, self._tolerance, PressureOrigin.PREDICTED)
         else:
-            self._old = self._copied() if near else None
+            state = problem.finest.exact.pressure, problem.finest.exact.displacement
+            self._old = tuple(field.astype(np.float32) for field in state) if near else None
         if solution is None:
             coarse = problem.start(goal)
             if coarse is not None and coarse.converged:
@@ -206,15 +208,6 @@ class LoadPath:
         tolerance = max(_AIM * solution.tolerance / over, _SMALLEST_TOLERANCE)
         self._tolerance = min(tolerance, self.problem.tolerance)
         return tolerance
-
-    def _two_known(self) -> bool:
-        """Whether there are two states for the secant; that at no load counts (`_FEW_POINTS`)."""
-        return self._means[0] > 0.0 or self._points <= _FEW_POINTS
-
-    def _copied(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """The last state in single precision."""
-        exact = self.problem.finest.exact
-        return exact.pressure.astype(np.float32), exact.displacement.astype(np.float32)
 
     def _forecast(self, level: float) -> float:
         """Load at a level, extrapolated exponentially with the stiffness; zero if not known."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.influence import influence
-from asperity.halfspace.load_points import chosen_boundary, require_scene
+from asperity.halfspace.load_points import chosen_boundary
 from asperity.halfspace.material import HalfSpace
 from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
@@ -70,7 +70,6 @@ class ContactProblem:
         boundary: str | None = None,
         share: float | None = None,
     ) -> None:
-        require_scene(hm, material)
         if hm.missing:
             raise SurfaceError(
                 f"{hm.name or 'the map'} has {hm.missing} missing points of {hm.heights.size}; "

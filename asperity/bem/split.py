@@ -11,6 +11,7 @@ import math
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
+from scipy.interpolate import BSpline
 
 from surfaces.numerics import parallel
 
@@ -119,20 +120,12 @@ class SplitOperator:
         return self._stencil(residual, self._inverse, True)
 
 
-def _spline(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Centred cardinal B-spline of the order in use."""
-    total = np.zeros_like(x)
-    for k in range(TAPS + 1):
-        power = np.maximum(x + 0.5 * TAPS - k, 0.0) ** (TAPS - 1)
-        total += (-1) ** k * math.comb(TAPS, k) * power
-    return total / math.factorial(TAPS - 1)
-
-
 def _taps(count: int, period: int, coarse: int) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """First coarse point and weights (count, order) of each point of the fine grid on one axis."""
     place = np.arange(count) * (coarse / period)
     first = np.floor(place - 0.5 * TAPS).astype(np.int64) + 1
-    weights = _spline(place[:, None] - (first[:, None] + np.arange(TAPS)))
+    spline = BSpline.basis_element(np.arange(TAPS + 1) - 0.5 * TAPS)
+    weights = spline(place[:, None] - (first[:, None] + np.arange(TAPS)))
     return first % coarse, weights.astype(np.float32)
 
 
