@@ -1,4 +1,4 @@
-"""Small maps and curves that tests store, prepare and read off."""
+"""Small maps, curves and displacements that tests store, prepare and read off."""
 
 from __future__ import annotations
 
@@ -56,3 +56,11 @@ def power_law_curve(n: int = 12, *, broken: int | None = None) -> ContactCurve:
         extra={"filled_share": np.linspace(0, 0.1, n)},
         reasons=tuple("stopped" if i == broken else "" for i in range(n)),
     )
+
+
+def displaced(operator, pressure):
+    """Displacement [m] of a pressure [Pa], shape (ny, nx), by a `HalfSpaceOperator`."""
+    nx = operator.shape[1]
+    operator.pressure[:, :nx] = pressure
+    operator.pressure *= operator.compliance
+    return np.array(operator.apply()[:, :nx])

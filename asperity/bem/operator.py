@@ -8,7 +8,6 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from asperity.errors import InputError
 from asperity.halfspace.influence import compliance, influence, symbol_quadrant
 from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
@@ -85,15 +84,6 @@ class HalfSpaceOperator:
         self._convolution.apply(self.symbol)
         self.pairs += 1
         return self.displacement
-
-    def __call__(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Displacement [m] into the solid of a pressure [Pa], shape (ny, nx)."""
-        if np.shape(pressure) != self.shape:
-            raise InputError(f"pressure has shape {np.shape(pressure)}; the grid is {self.shape}")
-        nx = self.shape[1]
-        self.pressure[:, :nx] = pressure
-        self.pressure *= self.compliance
-        return np.array(self.apply()[:, :nx])
 
 
 def _padded_length(n: int) -> int:

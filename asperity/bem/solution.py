@@ -169,12 +169,14 @@ class BemSolution:
     def __str__(self) -> str:
         ny, nx = self.pressure.shape
         c = self.certificate
+        share = f", {100 * self.plastic_share:.4g} % of it at the hardness"
+        plastic = share if math.isfinite(self.hardness) else ""
         lines = [
             f"BEM contact      {ny} x {nx}, {self.boundary}, {self.status}",
             f"mean pressure    {self.mean_pressure:.6g} Pa      load {self.load:.6g} N",
             f"separation       {self.separation:.6g} m      mean gap {self.mean_gap:.6g} m",
             f"contact          {100 * self.area_fraction:.4g} % (corrected) in "
-            f"{self.contacts} patches" + self._plastic(),
+            f"{self.contacts} patches{plastic}",
             f"certificate      load {c.load:.1e}, complementarity {c.complementarity:.1e}, "
             f"penetration {c.penetration:.1e}" + (f", lift {c.lift:.1e}" if c.lift else ""),
             f"bounds           load {100 * self.error_estimate:.2g} %, "
@@ -188,12 +190,6 @@ class BemSolution:
         return "\n".join(lines)
 
     __repr__ = __str__
-
-    def _plastic(self) -> str:
-        """What has yielded, for the summary."""
-        if math.isinf(self.hardness):
-            return ""
-        return f", {100 * self.plastic_share:.4g} % of it at the hardness"
 
 
 def read_contact(
