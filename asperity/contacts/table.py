@@ -111,7 +111,7 @@ def outlines(
     ellipse = _ellipse(span, area, aspect)
     steep, shallow = profiles.curvature.T[:, :, None]
     curvature = (steep * np.sin(span) ** 2 + shallow * np.cos(span) ** 2) / 2
-    free = np.sqrt(approach[:, None] / (curvature * float(kappa(m, np.array([2.0]))[0])))
+    free = np.sqrt(approach[:, None] / (curvature * float(kappa(m, 2.0))))
     weights = edge_weights(m, profiles.t.size, 0)
     share = np.linspace(0.0, 1.0, len(weights))
     root = np.sqrt(np.maximum.accumulate(np.maximum(profiles.q @ weights.T * share**2, 0), axis=2))

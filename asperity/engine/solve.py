@@ -160,7 +160,7 @@ def solve(
         clock.stage("choice")
         if choice.plan is not None and choice.engine != "bem":
             try:
-                run = scene.model(choice.plan, values)
+                run = solve_contacts(hm, material, choice.plan, **scene.loads(values))
             except ModelRangeError as error:
                 choice = choice._replace(
                     engine="bem", reason=f"the microcontact model has no answer: {error}"
@@ -272,10 +272,6 @@ class _Scene:
     def fits(self) -> bool:
         """Whether boundary elements of the whole map fit into memory."""
         return fits(self.hm.shape, self.boundary, 1)
-
-    def model(self, plan: Plan, values: Array) -> ContactRun:
-        """The run of the microcontact model."""
-        return solve_contacts(self.hm, self.material, plan, **self.loads(values))
 
     def checked(
         self, choice: _Choice, run: ContactRun, values: Array, asked: Accuracy

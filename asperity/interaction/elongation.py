@@ -63,12 +63,13 @@ class Elongation:
         """Elongation of contacts on summits with principal curvatures [1/m], shape (n, 2), the
         larger first, and directions of the long axis [rad], (n,)."""
         ratio = np.minimum(aspect_ratio(curvature), bounds.aspect)
-        along, across = _axes(footprints.power, ratio, bounds.aspect)
+        place, known = _compliance(footprints.power, bounds.aspect)
+        size = np.interp(np.log(ratio), place, known) ** (2 / footprints.power)  # g
         squared = np.maximum(1 - ratio**-2, 1e-9)  # e^2, the argument of SciPy's integrals
         k, e = ellipk(squared), ellipe(squared)
         c = 2 * (k - e) / (squared * k)
         far, near = np.minimum(ratio / c, bounds.radius), 1 / (ratio * (2 - c))
-        return cls(_turned(along, across, angle), _turned(far, near, angle))
+        return cls(_turned(size * ratio, size / ratio, angle), _turned(far, near, angle))
 
     @property
     def along(self) -> Array:
@@ -86,13 +87,6 @@ def aspect_ratio(curvature: Array) -> Array:
     steep, shallow = curvature.T
     flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
     return np.asarray(np.clip(flatness, 1e-6, 1.0) ** -ASPECT_EXPONENT)
-
-
-def _axes(power: float, ratio: Array, largest: float) -> tuple[Array, Array]:
-    """Moments g r along and g / r across (`Elongation`) of footprints of axis ratio r."""
-    place, known = _compliance(power, largest)
-    size = np.interp(np.log(ratio), place, known) ** (2 / power)
-    return size * ratio, size / ratio
 
 
 @functools.lru_cache(maxsize=16)

@@ -90,15 +90,13 @@ def predict(points: tuple[Point, ...], separation: float, count: int) -> Array:
 
 
 def weights(place: float, known: list[float]) -> Array:
-    """Weights of the values at the abscissas `known` in the extrapolated value at `place`.
+    """Weights of the values at two or three abscissas `known` in the extrapolated value at `place`.
 
     The weights are Lagrange's for the parabola through three points. If one exceeds
     `LARGEST_WEIGHT`, or there are two points, they are those of the line through the last two,
     extrapolated by at most 1.5 of their distance.
     """
     count = len(known)
-    if count == 1:
-        return np.ones(1)
     if count > 2 and len(set(known)) == count:
         a, b, c = known
         share = np.array(

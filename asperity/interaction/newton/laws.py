@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ LEAST_FORCE = 1e-3
 """Least force over the force at reach: `LEAST_FORCE` times the square of approach over reach."""
 
 
-class Evaluated:
+class Evaluated(NamedTuple):
     """Values of the laws of some contacts at their approaches; arrays over the contacts.
 
     Attributes
@@ -58,11 +59,12 @@ class Evaluated:
         F dm/dF = v - m [m^2]: the footprint of an increment of the force is wider by it.
     """
 
-    __slots__ = ("area", "energy", "force", "growth", "moment", "stiffness")
-
-    def __init__(self, n: int) -> None:
-        self.force, self.stiffness, self.area = np.empty((3, n))
-        self.energy, self.moment, self.growth = np.empty((3, n))
+    force: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    area: NDArray[np.float64]
+    energy: NDArray[np.float64]
+    moment: NDArray[np.float64]
+    growth: NDArray[np.float64]
 
 
 class Laws:
@@ -118,7 +120,7 @@ class Laws:
     def __call__(self, approach: NDArray[np.float64]) -> Evaluated:
         """Evaluate the laws, which are made, at the approaches [m], shape (n,); the force is zero
         where an approach is not positive."""
-        out, store = Evaluated(len(approach)), self.store
+        out, store = Evaluated(*np.empty((6, len(approach)))), self.store
         assert store.complete or store.ready[self.index[approach > 0]].all(), "laws are missing"
         run(
             lambda a, b: law_kernels.evaluate(
@@ -130,12 +132,7 @@ class Laws:
                 store.place,
                 store.table,
                 store.tips,
-                out.force,
-                out.stiffness,
-                out.area,
-                out.energy,
-                out.moment,
-                out.growth,
+                *out,
             ),
             blocks(len(approach), CONTACTS_PER_THREAD, store.nodes.together(len(approach))),
         )
