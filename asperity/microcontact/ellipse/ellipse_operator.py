@@ -17,7 +17,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
-from scipy.special import eval_jacobi, gamma, roots_jacobi
+from scipy.special import eval_jacobi, factorial, gamma, poch, roots_jacobi
 
 from surfaces.numerics.cubics import lagrange
 
@@ -68,16 +68,12 @@ def fourier_moments(weight: Array, count: int) -> Array:
 
 
 def product_weights(moments: Array, nodes: int, period: float) -> Array:
-    """Weights of ``nodes`` equispaced points: exact for trigonometric polynomials times weight.
+    """Weights of an even number of equispaced points: exact for trigonometric polynomials times
+    weight.
 
     ``moments[..., k]`` are the means of weight * cos(2 pi k t / period).
     """
-    k = np.arange(moments.shape[-1])
-    factor = np.where(k == 0, 1.0, 2.0)
-    factor[2 * k == nodes] = 1.0
-    keep = 2 * k <= nodes
-    cosine = np.cos(2 * np.pi * np.outer(k, np.arange(nodes)) / nodes)
-    return np.asarray(period / nodes * (moments * (factor * keep)) @ cosine)
+    return np.asarray(period * np.fft.irfft(moments, nodes))
 
 
 def _rotations(degree: int, psi: Array) -> Array:
@@ -107,19 +103,17 @@ def _chord_transform(degree: int, m: float) -> Array:
     # scipy divides by (1 + m/2) - 1, which is zero where m is lost beside one
     exponent = (m - 1) / 2 if abs(m) > 1e-12 else -0.5
     s, w = roots_jacobi(degree + 2, exponent, exponent)
-    eigen = np.ones(degree + 1)
-    for j in range(1, degree + 1):
-        eigen[j] = eigen[j - 1] * (m + j - 1) / j
-    eigen *= np.pi / math.cos(m * np.pi / 2)
+    order = np.arange(degree + 1)
+    eigen = np.pi / math.cos(m * np.pi / 2) * poch(m, order) / factorial(order)
     points = np.cos((np.arange(degree + 1) + 0.5) * np.pi / (degree + 1))
     to_powers = np.linalg.inv(np.vander(points, degree + 1, increasing=True))
     out = np.zeros((degree + 1, degree + 1))
-    for order in range(degree + 1):
-        norm = math.sqrt((w * eval_jacobi(order, exponent, exponent, s) ** 2).sum())
-        coef = to_powers @ eval_jacobi(order, exponent, exponent, points) / norm
+    for n in range(degree + 1):
+        norm = math.sqrt((w * eval_jacobi(n, exponent, exponent, s) ** 2).sum())
+        coef = to_powers @ eval_jacobi(n, exponent, exponent, points) / norm
         values = polynomial.polyval(s, coef)
         for j in range(degree + 1):
-            out[j] += eigen[order] * (w * s**j * values).sum() * coef
+            out[j] += eigen[n] * (w * s**j * values).sum() * coef
     return out
 
 
@@ -165,19 +159,10 @@ def _operator(degree: int, m: float, transform: Array, drop: int, ratio: Array) 
     )
 
 
-def _edge_amplitudes(degree: int, operator: Array, nodes: Array) -> Array:
-    """(ratio, monomial, node): edge amplitude that goes with a displacement monomial."""
+def _edge_monomials(degree: int, t: Array) -> Array:
+    """Monomials at the parameters t of the edge, (monomials, t)."""
     i, j = monomials(degree)
-    parity = parity_of(degree)
-    edge = np.cos(nodes) ** i[:, None] * np.sin(nodes) ** j[:, None]
-    out = np.empty((operator.shape[0], i.size, nodes.size))
-    for kind in range(4):
-        rows = np.flatnonzero(parity == kind)
-        block = operator[:, rows[:, None], rows]
-        out[:, rows] = np.linalg.solve(
-            block, np.broadcast_to(edge[rows], (len(block), *edge[rows].shape))
-        )
-    return out
+    return np.asarray(np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None])
 
 
 def _punch_moments(degree: int, m: float) -> Array:
@@ -189,25 +174,22 @@ def _punch_moments(degree: int, m: float) -> Array:
     return np.where(even, angular * gamma(p) * gamma(q) / gamma(p + q) * q, 0.0)
 
 
-def edge_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
-    """Edge amplitudes of displacement monomials on ellipses of ``a b = 1`` of axis ratios (n,).
-
-    Amplitude P(t) of ``p = P (1 - rho**2)**((m-1)/2)`` for unit modulus, shape
-    (n, monomials, degree + 1), at t from 0 to pi/2; even or odd beyond by parity.
-    """
-    nodes = np.linspace(0, np.pi / 2, degree + 1)
-    operator = _operator(degree, m, _chord_transform(degree, m), 0, ratio)
-    return _edge_amplitudes(degree, operator, nodes)
-
-
-def pressure_operator(m: float, ratio: float, degree: int = DEGREE) -> Array:
-    """Pressure polynomial of each displacement monomial on the ellipse of ``a b = 1``.
+def pressure_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
+    """Pressure polynomials of displacement monomials on ellipses of ``a b = 1`` of axis ratios (n,).
 
     Row r holds the coefficients of the polynomial that ``(1 - rho**2)**((m-1)/2)`` multiplies,
-    for unit modulus, shape (monomials, monomials).
+    for unit modulus, shape (n, monomials, monomials).
     """
-    operator = _operator(degree, m, _chord_transform(degree, m), 0, np.array([ratio]))[0]
-    return np.asarray(np.linalg.inv(operator))
+    return np.linalg.inv(_operator(degree, m, _chord_transform(degree, m), 0, ratio))
+
+
+def edge_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
+    """Edge amplitudes of displacement monomials: the pressure polynomials at the edge.
+
+    Shape (n, monomials, degree + 1), at t from 0 to pi/2; even or odd beyond by parity.
+    """
+    nodes = np.linspace(0, np.pi / 2, degree + 1)
+    return pressure_operator(m, ratio, degree) @ _edge_monomials(degree, nodes)
 
 
 def _free_fields(
@@ -222,9 +204,8 @@ def _free_fields(
     # displacement by the monomials times (1 - rho**2)**((m-3)/2), finite parts
     transform = _chord_transform_lower(degree, m, _chord_transform(degree, m))
     lower = _operator(degree, m, transform, 2, ratio)
-    i, j = monomials(degree)
-    parity, order = parity_of(degree), i + j
-    edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
+    parity, order = parity_of(degree), np.sum(monomials(degree), axis=0)
+    edge = _edge_monomials(degree, t)
     for kind, (form, first) in enumerate(((0, 0), (1, 2), (0, 1), (1, 1))):
         rows = np.flatnonzero(parity == kind)
         number = np.arange(first, degree + 1, 2)

@@ -135,10 +135,8 @@ class _State:
         """Boundary a(phi) [m] about the summit."""
         t = 2 * np.pi * np.arange(self.displacement.size) / self.displacement.size
         grown = 1 + self.displacement
-        r, place = self.ellipse.places(grown * np.cos(t), grown * np.sin(t))
-        angle = np.unwrap(place)
-        where = angle[0] + np.mod(phi - angle[0], 2 * np.pi)
-        return np.asarray(np.interp(where, angle, r, period=2 * np.pi))
+        r, angle = self.ellipse.places(grown * np.cos(t), grown * np.sin(t))
+        return np.asarray(np.interp(phi, angle, r, period=2 * np.pi))
 
     def pressure(self, r: Array, phi: Array, material: HalfSpace) -> Array:
         """Pressure [Pa] at the points: that of the ellipse less its edge singularity, stretched.
@@ -159,7 +157,7 @@ class _State:
         i, j = monomials(DEGREE)
         # the table is for semi-axes of unit product: lengths in units of sqrt(ab)
         size = np.sqrt(a * b)
-        operator = pressure_operator(m, b / a, DEGREE)
+        operator = pressure_operator(m, np.array([b / a]), DEGREE)[0]
         weights = material.modulus * size ** (m - 1) * (self.coefs @ operator)
         edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
         inner = edge * rho ** (i + j)[:, None]
