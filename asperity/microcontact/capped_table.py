@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from copy import deepcopy
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -63,17 +64,8 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     """
     if material.hardness == math.inf:
         return table
-    result = replace(
-        table,
-        reach=table.reach.copy(),
-        force=table.force.copy(),
-        stiffness=table.stiffness.copy(),
-        area=table.area.copy(),
-        centre=None if table.centre is None else table.centre.copy(),
-        bearing=None,
-        elastic=np.stack((np.ones(table.force.shape), table.stiffness), axis=2),
-        hardness=material.hardness,
-    )
+    elastic = np.stack((np.ones(table.force.shape), table.stiffness), axis=2)
+    result = replace(deepcopy(table), bearing=None, elastic=elastic, hardness=material.hardness)
     rows = np.flatnonzero((table.reach > 0) & (table.force[:, -1] > 0))
     parts = parallel.blocks(rows.size, CONTACTS_PER_THREAD, CONTACTS_PER_THREAD)
     parallel.run(lambda first, last: _cap(table, rows[first:last], material, result), parts)

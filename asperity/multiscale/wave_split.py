@@ -136,7 +136,8 @@ def split_scales(
     if m2[finest] > (1.0 - bounds.unresolved_slope) * m2[-1] and breadth[-1] < broad:
         return NARROW_SPECTRUM
     steep = int(np.argmax(m2 >= bounds.kept_slope * m2[-1]))
-    last = min(max(last or finest, _shell(bounds.fewest_waves, hm), steep), finest)
+    fewest = round(bounds.fewest_waves * max(hm.size) / math.sqrt(hm.area))
+    last = min(max(last or finest, fewest, steep), finest)
     law = _law(shells, last, material, parameters)
     if law is None:
         return "scales: all, the map has too few waves to take the finest out"
@@ -165,11 +166,6 @@ def chosen_split(
         f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared slope",
         f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
     ]
-
-
-def _shell(waves: float, hm: HeightMap) -> int:
-    """Shell of the wave that fits the side of the map `waves` times."""
-    return round(waves * max(hm.size) / math.sqrt(hm.area))
 
 
 def _law(

@@ -24,6 +24,7 @@ __all__ = [
     "Basis",
     "PowerBasis",
     "TableBasis",
+    "around",
     "basis_of",
     "corner_rule",
     "radius_at",
@@ -262,11 +263,14 @@ def synthesis(amplitudes: Complex, phi: Array) -> Array:
 
     Evaluated on a fine equispaced grid by the fast transform and splined from there.
     """
-    values = samples(amplitudes, _SAMPLES)
-    turn = 2 * np.pi * np.arange(_SAMPLES + 1) / _SAMPLES
-    closed = np.concatenate([values, values[:, :1]], axis=1)
-    curve = CubicSpline(turn, closed, axis=1, bc_type="periodic")
-    return np.asarray(curve(np.mod(phi, 2 * np.pi)))
+    return np.asarray(around(samples(amplitudes, _SAMPLES))(phi))
+
+
+def around(values: Array) -> CubicSpline:
+    """Periodic spline of values at equispaced angles from 0, along their last axis."""
+    turn = np.linspace(0, 2 * np.pi, values.shape[-1] + 1)
+    closed = np.concatenate([values, values[..., :1]], axis=-1)
+    return CubicSpline(turn, closed, axis=-1, bc_type="periodic")
 
 
 def samples(amplitudes: Complex, count: int) -> Array:

@@ -8,7 +8,6 @@ from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from asperity.errors import Flag
 from asperity.halfspace.footprint import Footprints
@@ -17,7 +16,7 @@ from asperity.microcontact.ellipse.ellipse_operator import monomials, pressure_o
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 from . import circle
-from .basis import basis_of, radius_at
+from .basis import around, basis_of, radius_at
 from .ellipse_expansion import DEGREE
 from .ellipse_search import SHARP_TIP, Ellipse, Search
 from .indentation import Indentation, profile_flags
@@ -148,10 +147,7 @@ class _State:
         a, b = self.ellipse.a, self.ellipse.b
         xi, eta = self.ellipse.coordinates(r, phi)
         t = np.arctan2(eta, xi)
-        turn = np.linspace(0, 2 * np.pi, self.displacement.size + 1)
-        closed = np.append(self.displacement, self.displacement[0])
-        displacement = CubicSpline(turn, closed, bc_type="periodic")
-        rho = np.hypot(xi, eta) / (1 + displacement(np.mod(t, 2 * np.pi)))
+        rho = np.hypot(xi, eta) / (1 + around(self.displacement)(t))
         inside = rho < 1
         rho = np.where(inside, rho, 0.0)
         i, j = monomials(DEGREE)

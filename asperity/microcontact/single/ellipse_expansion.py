@@ -16,7 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.transforms import kappa
-from asperity.microcontact.ellipse.ellipse_operator import between, ellipse_tables, monomials
+from asperity.microcontact.ellipse.ellipse_operator import (
+    between,
+    ellipse_tables,
+    fourier_moments,
+    monomials,
+    product_weights,
+)
 
 __all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "edge_of", "fit_points", "fitted"]
 
@@ -43,6 +49,9 @@ _SINGULAR_CUT = 1e-7
 
 _REGION = 1.08
 """Size of the ellipse on which f is fitted over that of the contact."""
+
+_RHO = _REGION * np.sqrt((np.arange(_FIT_RADII) + 0.5) / _FIT_RADII)
+"""These radii, over the semi-axes of the contact."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,10 +121,8 @@ class Edge:
 @lru_cache(maxsize=1)
 def fit_points() -> tuple[Array, Array, Array, Array]:
     """Scaled places (xi, eta) of the samples, the monomials there, and their pseudo-inverse."""
-    rho = _REGION * np.sqrt((np.arange(_FIT_RADII) + 0.5) / _FIT_RADII)
     t = 2 * np.pi * np.arange(ANGLES) / ANGLES
-    xi: Array = (rho[:, None] * np.cos(t)).ravel()
-    eta: Array = (rho[:, None] * np.sin(t)).ravel()
+    xi, eta = np.outer(_RHO, np.cos(t)).ravel(), np.outer(_RHO, np.sin(t)).ravel()
     i, j = monomials(DEGREE)
     matrix = xi[:, None] ** i * eta[:, None] ** j
     return xi, eta, matrix, _inverse(matrix, 1e-12)
@@ -124,8 +131,7 @@ def fit_points() -> tuple[Array, Array, Array, Array]:
 @lru_cache(maxsize=1)
 def _radial_fit() -> tuple[Array, Array, Array]:
     """Powers at the sampled radii; pseudo-inverses of all, and of all but the constant."""
-    rho = _REGION * np.sqrt((np.arange(_FIT_RADII) + 0.5) / _FIT_RADII)
-    powers = rho[:, None] ** _POWERS
+    powers = _RHO[:, None] ** _POWERS
     bare = np.zeros((_POWERS.size, _FIT_RADII))
     bare[1:] = _inverse(powers[:, 1:], _SINGULAR_CUT)
     return powers, _inverse(powers, _SINGULAR_CUT), bare
@@ -163,12 +169,12 @@ def edge_of(gap: Gap, approach: float, a: float, b: float, m: float) -> Edge:
     table = row[: count * quarter].reshape(count, quarter)
     unit, punch = float(table[0, 0]), float(row[count * quarter + quarter])
     full = table[:, _FOLD] * _SIGN_X ** i[:, None] * _SIGN_Y ** j[:, None]
-    waves = _resampled((gap.polynomial * (i + j) ** _ORDERS[:, None]) @ full)
+    polynomial = (gap.polynomial * (i + j) ** _ORDERS[:, None]) @ full
     factor, punch_mean = _rest_factors(m)
     rest = (gap.rest * factor[: len(gap.rest)]) @ (_POWERS ** _ORDERS[:, None]).T
     rest[1:] /= 2
-    waves += rest.T * ANGLES
-    edge = np.fft.irfft(waves, ANGLES, axis=1)
+    waves = np.fft.rfft(polynomial) / _NODE.size
+    edge = ANGLES * (np.fft.irfft(waves, ANGLES) + np.fft.irfft(rest.T, ANGLES))
     mean = gap.polynomial @ moments + gap.rest[0].real @ punch_mean
     size = np.sqrt(a * b)
     return Edge(
@@ -186,8 +192,8 @@ def _edge_weight(m: float, ratio: float) -> Array:
     """Weights at the parameters t, exact for trigonometric polynomials times gamma^(m-1)."""
     widths = (ratio * _FINE_COSINE + (1 - _FINE_COSINE) / ratio) ** ((m - 1) / 2)
     moments = np.zeros(_WAVES)
-    moments[::2] = np.fft.rfft(widths).real[: ANGLES // 4 + 1] / widths.size
-    return np.asarray(2 * np.pi * np.fft.irfft(moments, ANGLES))
+    moments[::2] = fourier_moments(widths, ANGLES // 4 + 1)
+    return product_weights(moments, ANGLES, 2 * np.pi)
 
 
 @lru_cache(maxsize=8)
@@ -196,14 +202,6 @@ def _rest_factors(m: float) -> tuple[Array, Array]:
     the pressure of the flat punch."""
     order = np.arange(_WAVES)[:, None]
     return kappa(m, _POWERS + order) / np.pi, kappa(m, _POWERS) / (_POWERS + 1 + m) * (1 + m)
-
-
-def _resampled(values: Array) -> Complex:
-    """Transforms, for ANGLES points, of trigonometric polynomials at 4 DEGREE equispaced ones."""
-    waves = np.fft.rfft(values, axis=-1)
-    out = np.zeros((*values.shape[:-1], _WAVES), dtype=complex)
-    out[..., : DEGREE + 1] = waves[..., : DEGREE + 1] * (ANGLES / values.shape[-1])
-    return out
 
 
 _NODE = np.arange(4 * DEGREE)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -130,8 +130,6 @@ def indent(
     _require_profile(profile)
     require_half_space(material)
     require_law(law)
-    if law not in SOLVERS:
-        raise ModelRangeError(f"the law {law!r} is one of batches of summits alone")
     warn_once(modulus_warning(material))
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
@@ -150,10 +148,9 @@ def indent(
         one = elastic(goal)
     else:
         one = elastic(_depth(_forces(elastic), _first(profile, goal), goal, refusal))
-    columns = {column.name: getattr(one, column.name) for column in fields(one)}
     shaped: dict[str, Any] = {
         name: values.reshape(given.shape)
-        for name, values in columns.items()
+        for name, values in vars(one).items()
         if isinstance(values, np.ndarray)
     }
     return replace(one, **shaped)

@@ -135,6 +135,5 @@ def _boundary(edge: Callable[[Array], ArrayLike] | ArrayLike) -> Callable[[Array
         raise InputError(
             f"edge is {shown(edge)}; give a radius, several at equispaced angles, or a function"
         )
-    turn = 2 * np.pi * np.arange(values.size + 1) / values.size
-    closed = np.append(values, values[0])
-    return lambda phi: np.interp(np.mod(phi, 2 * np.pi), turn, closed)
+    turn = 2 * np.pi * np.arange(values.size) / values.size
+    return lambda phi: np.interp(phi, turn, values, period=2 * np.pi)
