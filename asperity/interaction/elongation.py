@@ -10,15 +10,12 @@ from numpy.typing import NDArray
 from scipy.special import ellipe, ellipk
 
 from asperity.halfspace.footprint import Footprints
+from asperity.microcontact.hertz import ASPECT_EXPONENT
 from asperity.parameters import DEFAULTS, ElongationBounds
 
-__all__ = ["ASPECT_EXPONENT", "Elongation", "aspect_ratio"]
+__all__ = ["Elongation", "aspect_ratio"]
 
 Array = NDArray[np.float64]
-
-ASPECT_EXPONENT = 0.63
-"""Exponent of the axis ratio of an elliptic contact, b/a = (k2/k1)^0.63, with k1 > k2 the principal
-curvatures: within 3 % of Hertz's elliptic integrals up to a curvature ratio of 30."""
 
 
 @dataclass(frozen=True, eq=False)

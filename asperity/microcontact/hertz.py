@@ -20,12 +20,16 @@ if TYPE_CHECKING:
 
     from surfaces.peaks.profiles import Profiles
 
-__all__ = ["EllipticContact", "elliptic_contact", "tabulate"]
+__all__ = ["ASPECT_EXPONENT", "EllipticContact", "elliptic_contact", "tabulate"]
 
 Array = NDArray[np.float64]
 
 _INTERVALS = 16
 """Intervals of a table; force and area are exact on any number."""
+
+ASPECT_EXPONENT = 0.63
+"""Exponent of the axis ratio of an elliptic contact, b/a = (k2/k1)^0.63, with k1 > k2 the principal
+curvatures: within 3 % of Hertz's elliptic integrals up to a curvature ratio of 30."""
 
 _STEP, _TAIL = 0.32, 32.0
 """Step and half-width of the trapezoidal rule of `_integrals`."""

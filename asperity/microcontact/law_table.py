@@ -94,6 +94,13 @@ class LawTable:
             if values.shape != shape:
                 raise InputError(f"{name} must have the shape {shape}, not {values.shape}")
 
+    @classmethod
+    def empty(cls, count: int, intervals: int, exponent: float = 3.0) -> LawTable:
+        """Table of contacts without a law, to be filled."""
+        force, stiffness, area, spread = np.zeros((4, count, intervals + 1))
+        flags = np.zeros(force.shape, np.uint8)
+        return cls(np.zeros(count), force, stiffness, area, flags, spread, exponent)
+
     def __len__(self) -> int:
         return int(self.reach.size)
 
@@ -204,10 +211,7 @@ class LazyTable:
     ) -> None:
         self.make, self.whole, self.near, self.stored = make, whole, near, stored
         self.ready, self.place = np.zeros(count, bool), np.zeros(count, np.int64)
-        nothing = np.zeros((1, 3))
-        self.held = LawTable(
-            np.zeros(1), nothing, nothing, nothing, nothing.astype(np.uint8), nothing
-        )
+        self.held = LawTable.empty(1, 2)
 
     @classmethod
     def of(cls, table: LawTable) -> LazyTable:

@@ -86,7 +86,7 @@ def tabulate_expansion(
     rays = (*map(np.ascontiguousarray, sampled), usable, top)
     harmonics = m + (1 - m) * np.arange(_HARMONICS + 2.0)
     inputs = (rays, fractions, t, _radial(t, weights), harmonics, m)
-    table = _no_laws(top.size, nodes, 3 + m)
+    table = LawTable.empty(top.size, nodes, 3 + m)
 
     def part(start: int, stop: int) -> None:
         rows = start + np.flatnonzero(usable[start:stop])
@@ -97,13 +97,6 @@ def tabulate_expansion(
 
     parallel.run(part, parallel.blocks(top.size, 64, _BLOCK))
     return table
-
-
-def _no_laws(count: int, nodes: int, exponent: float) -> LawTable:
-    """Table of contacts without a law, to be filled."""
-    force, stiffness, area, spread = np.zeros((4, count, nodes + 1))
-    flags = np.zeros(force.shape, np.uint8)
-    return LawTable(np.zeros(count), force, stiffness, area, flags, spread, exponent)
 
 
 def _radial(t: Array, weights: Array) -> Array:
@@ -243,7 +236,7 @@ def tabulate_ritz(profiles: Profiles, material: HalfSpace) -> LawTable:
     levels = np.arange(1, INTERVALS + 1) / INTERVALS
     reach, length, height, out = _march(profiles, material.m, levels, _TABLE_ROUNDS)
     unit = material.modulus * length ** (1 + material.m)
-    table = _no_laws(length.size, INTERVALS, 3 + material.m)
+    table = LawTable.empty(length.size, INTERVALS, 3 + material.m)
     table.reach[:] = reach
     columns = (table.force, unit * height), (table.stiffness, unit), (table.area, length**2)
     for k, (column, scale) in enumerate(columns):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces.numerics.compiled import QUOTIENTS, inner
+from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 from surfaces.numerics.lanes import (
     LANES,
     add,
@@ -29,7 +29,7 @@ from surfaces.numerics.lanes import (
 )
 from surfaces.numerics.vectors import absolute, root, where, whole
 
-from ._fit_kernels import TERMS
+from ._fit_kernels import TERMS, mirrored
 from .ellipse_operator import DEGREE, parity_of
 
 NODES = DEGREE + 1
@@ -38,6 +38,9 @@ MODES = DEGREE // 2 + 1
 
 FORMS = 4
 """Groups that hold the second-order forms."""
+
+QUARTERS = (TERMS + 1) * NODES
+"""Numbers at the beginning of a row of `ellipse_tables` that belong to nodes of a quarter."""
 
 WIDTH = TERMS + 2 + FORMS
 """Groups in a row of the tables: edge amplitudes of each monomial, and quadrature weights, at the
@@ -54,22 +57,17 @@ _SHARE[[0, DEGREE]] = 0.5
 
 _SHARE /= 4 * DEGREE
 """Weight of a node in the mean over the parameter of the ellipse."""
-_EVEN = np.cos(np.outer(2 * np.arange(MODES), _T)) * _SHARE * 2
 
-_EVEN[0] *= 0.5
+_EVEN = 2 * np.outer(np.arange(MODES), _T)
+_ODD = _EVEN + _T
+_FOURIER = 2 * _SHARE * np.stack([np.cos(_EVEN), np.sin(_ODD + _T), np.cos(_ODD), np.sin(_ODD)])
+_FOURIER[0, 0] *= 0.5
+"""Weights of the nodes in the Fourier modes of each parity class, [class, mode, node]. Those of the
+last mode are used in the even class alone."""
 
-_BOTH = np.sin(np.outer(2 * np.arange(MODES - 1) + 2, _T)) * _SHARE * 2
-_ALONG = np.cos(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
-_ACROSS = np.sin(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
 _CLASS = parity_of(DEGREE)
 _MEMBERS = np.concatenate([np.flatnonzero(_CLASS == c) for c in range(4)])
 _BEGIN = np.searchsorted(np.sort(_CLASS), np.arange(5))
-
-
-@inner(fastmath=QUOTIENTS, inline="always")
-def _mirrored(a, b, c, d):
-    """Parity sums over the four mirror images: even, odd in x and y, odd in x, odd in y."""
-    return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
 
 
 @inner(fastmath=QUOTIENTS)
@@ -152,11 +150,11 @@ def displace(fields, limit, X, system, vector):
         cc, ss, dq = cq * cq, sq * sq, 2 * cq * sq
         e, o = load(fields, q), load(fields, LANES + q)
         x, y = load(fields, 2 * LANES + q), load(fields, 3 * LANES + q)
-        p0, p1, p2, p3 = e + o + x + y, e - o - x + y, e + o - x - y, e - o + x - y
+        p0, p3, p1, p2 = mirrored(e, o, x, y)
         e, o = load(fields, 4 * LANES + q), load(fields, 5 * LANES + q)
         x, y = load(fields, 6 * LANES + q), load(fields, 7 * LANES + q)
-        q0, q1 = most(e + o + x + y, floor), most(e - o - x + y, floor)
-        q2, q3 = most(e + o - x - y, floor), most(e - o + x - y, floor)
+        q0, q3, q1, q2 = mirrored(e, o, x, y)
+        q0, q1, q2, q3 = most(q0, floor), most(q1, floor), most(q2, floor), most(q3, floor)
         x0, f0 = _displaced(p0, q0, load(limit, q))
         x1, f1 = _displaced(p1, q1, load(limit, NODES + q))
         x2, f2 = _displaced(p2, q2, load(limit, 2 * NODES + q))
@@ -174,7 +172,7 @@ def displace(fields, limit, X, system, vector):
         shift += w * (x0 + x1 + x2 + x3)
         free += w * (f0 + f1 + f2 + f3)
         q0, q1, q2, q3 = w * q0, w * q1, w * q2, w * q3
-        e, o, x, y = _mirrored(q0, q1, q2, q3)
+        e, o, x, y = mirrored(q0, q1, q2, q3)
         add(system, 0, cc * cc * e)
         add(system, 1, cc * ss * e)
         add(system, 6, ss * ss * e)
@@ -193,7 +191,7 @@ def displace(fields, limit, X, system, vector):
         q0, q1, q2, q3 = q0 * x0, q1 * x1, q2 * x2, q3 * x3
         gain += w * (p0 * x0 + p1 * x1 + p2 * x2 + p3 * x3)
         gain -= 0.5 * (q0 * x0 + q1 * x1 + q2 * x2 + q3 * x3)
-        e, o, x, y = _mirrored(q0, q1, q2, q3)
+        e, o, x, y = mirrored(q0, q1, q2, q3)
         add(vector, 0, cc * e)
         add(vector, 1, ss * e)
         add(vector, 2, dq * o)
@@ -205,13 +203,23 @@ def displace(fields, limit, X, system, vector):
     return gain, shift, total, push, free, widest, contour, slide
 
 
-@inner(inline="always")
-def _mode(c, i, q):
-    if c == 0:
-        return _EVEN[i, q]
-    if c == 1:
-        return _BOTH[i, q]
-    return _ALONG[i, q] if c == 2 else _ACROSS[i, q]
+@compiled(fastmath=QUOTIENTS)
+def solve(matrix, vector):
+    """Gaussian elimination in place of a positive system of five; upper triangle given."""
+    n = 5
+    for i in range(n):
+        pivot = 1.0 / load(matrix, n * i + i)
+        store(matrix, n * i + i, pivot)
+        for r in range(i + 1, n):
+            f = load(matrix, n * i + r) * pivot
+            for c in range(r, n):
+                store(matrix, n * r + c, load(matrix, n * r + c) - f * load(matrix, n * i + c))
+            store(vector, r, load(vector, r) - f * load(vector, i))
+    for i in range(n - 1, -1, -1):
+        v = load(vector, i)
+        for c in range(i + 1, n):
+            v -= load(matrix, n * i + c) * load(vector, c)
+        store(vector, i, v * load(matrix, n * i + i))
 
 
 @inner(fastmath=QUOTIENTS)
@@ -223,27 +231,20 @@ def second_order(X, rows, number, own, forms):
             store(own, n * FORMS + k, load(rows, int(number[n]) * WIDTH + TERMS + 2 + k))
     for k in range(FORMS):
         transpose(own, k, FORMS, forms, k * LANES, 1)
+    for i in range(4 * MODES):
+        store(own, i, splat(0.0))
+    for q in range(NODES):
+        x0, x1 = load(X, q), load(X, NODES + q)
+        x2, x3 = load(X, 2 * NODES + q), load(X, 3 * NODES + q)
+        for c, part in enumerate(mirrored(x0, x1, x2, x3)):
+            for i in range(MODES):
+                add(own, c * MODES + i, _FOURIER[c, i, q] * part)
     second, r = splat(0.0), 0
     for c in range(4):
         modes = MODES if c == 0 else MODES - 1
         for i in range(modes):
-            store(own, i, splat(0.0))
-        for q in range(NODES):
-            x0, x1 = load(X, q), load(X, NODES + q)
-            x2, x3 = load(X, 2 * NODES + q), load(X, 3 * NODES + q)
-            if c == 0:
-                part = x0 + x1 + x2 + x3
-            elif c == 1:
-                part = x0 - x1 + x2 - x3
-            elif c == 2:
-                part = x0 - x1 - x2 + x3
-            else:
-                part = x0 + x1 - x2 - x3
-            for i in range(modes):
-                add(own, i, _mode(c, i, q) * part)
-        for i in range(modes):
             for j in range(i, modes):
-                second += load(forms, r) * load(own, i) * load(own, j)
+                second += load(forms, r) * load(own, c * MODES + i) * load(own, c * MODES + j)
                 r += 1
     return second
 

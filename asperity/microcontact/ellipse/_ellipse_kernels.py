@@ -34,8 +34,8 @@ from surfaces.numerics.lanes import (
 )
 from surfaces.numerics.vectors import absolute, entries, some, where, whole
 
-from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
-from ._fit_kernels import NESTED_FITS, TERMS, move, solve
+from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order, solve
+from ._fit_kernels import NESTED_FITS, TERMS, move
 from .ellipse_operator import DEGREE
 
 LARGEST_DISPLACEMENT, LARGEST_SECOND_ORDER, LARGEST_CONFINED = 0.5, 0.05, 0.5
@@ -71,15 +71,15 @@ this level, first and last trusted level, and 1 until its last level. Their numb
 
 
 @inner(fastmath=QUOTIENTS)
-def _mixed(fit, fits, position, out):
+def _mixed(fits, position, out):
     """Polynomials interpolated linearly between two of the nested fits: `position` 0 is the largest
-    ellipse, fits - 1 the smallest."""
+    ellipse, NESTED_FITS - 1 the smallest."""
     for r in range(TERMS):
         store(out, r, splat(0.0))
-    for s in range(fits):
+    for s in range(NESTED_FITS):
         weight = most(1.0 - absolute(position - s), splat(0.0))
         for r in range(3, TERMS):
-            store(out, r, load(out, r) + weight * load(fit, s * TERMS + r))
+            store(out, r, load(out, r) + weight * load(fits, s * TERMS + r))
 
 
 @inner(fastmath=QUOTIENTS)
@@ -196,12 +196,8 @@ def march_rows(
         x0, y0 = load(pose, _USED + 3), load(pose, _USED + 4)
         hs, hc = sine_cosine(0.5 * load(pose, _USED + 2))
         ts, tc = 2.0 * hs * hc, 1.0 - 2.0 * hs * hs
-        _mixed(
-            fits,
-            NESTED_FITS,
-            between(middle / shrink - 1.0, splat(0.0), splat(NESTED_FITS - 1.0)),
-            local,
-        )
+        position = between(middle / shrink - 1.0, splat(0.0), splat(NESTED_FITS - 1.0))
+        _mixed(fits, position, local)
         move(x0, y0, ts, hs / hc, local)
         mean = _values(local, a, b, d, moments, values)
         amplitudes(values, rows, number, own, fields)
@@ -218,11 +214,8 @@ def march_rows(
         edge_of_one = load(fields, 9 * LANES)
         scale = math.pi * power * edge_of_one
         force = -punch * mean
-        filled = total - free
-        small = (widest <= LARGEST_DISPLACEMENT) & (
-            absolute(scale * gain) <= LARGEST_SECOND_ORDER * force
-        )
-        small = small & (filled <= LARGEST_CONFINED * total)
+        near = (widest <= LARGEST_DISPLACEMENT) & (total - free <= LARGEST_CONFINED * total)
+        small = near & (absolute(scale * gain) <= LARGEST_SECOND_ORDER * force)
         solve(system, pose[_STEP * LANES :])
         still = _advance(pose, along, across, a, b, tc, ts)
         known = first >= 0.0
@@ -245,12 +238,7 @@ def march_rows(
         store(state, 6, share)
         store(state, 7, x0)
         store(state, 8, y0)
-        trusted = (
-            (widest <= LARGEST_DISPLACEMENT)
-            & (absolute(share) <= LARGEST_SECOND_ORDER)
-            & (filled <= LARGEST_CONFINED * total)
-        )
-        trusted = trusted & (force > 0.0) & stop
+        trusted = near & (absolute(share) <= LARGEST_SECOND_ORDER) & (force > 0.0) & stop
         _keep(shape, trusted, a, b, x0, y0, load(pose, _USED + 2), X)
         first = where(trusted & (first < 0.0), level, first)
         store(single, _FIRST, first)
@@ -331,10 +319,7 @@ def _predict(pose, stop, going, level, growths):
 @inner(fastmath=QUOTIENTS)
 def _keep(shape, mask, a, b, x0, y0, turn, X):
     """Write the contours into `shape` where the mask holds."""
-    store(shape, 0, where(mask, a, load(shape, 0)))
-    store(shape, 1, where(mask, b, load(shape, 1)))
-    store(shape, 2, where(mask, x0, load(shape, 2)))
-    store(shape, 3, where(mask, y0, load(shape, 3)))
-    store(shape, 4, where(mask, turn, load(shape, 4)))
+    for i, value in enumerate((a, b, x0, y0, turn)):
+        store(shape, i, where(mask, value, load(shape, i)))
     for i in range(4 * NODES):
         store(shape, 5 + i, where(mask, load(X, i), load(shape, 5 + i)))

@@ -1,4 +1,4 @@
-"""Compiled loops that fit polynomials to summits, move them to other axes, and solve small systems.
+"""Compiled loops that fit polynomials to summits, and move them to other axes.
 
 Eight profiles at once, in groups of eight numbers (`surfaces.numerics.lanes`), in units of one
 height and one length of each. Coefficients run over the monomials of `ellipse_operator.monomials`.
@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from asperity.microcontact.hertz import ASPECT_EXPONENT
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 from surfaces.numerics.lanes import (
     LANES,
@@ -46,9 +47,6 @@ SCALES = LANES
 """Numbers of a profile: units of length and height, area of the basin over squared length, ratio of
 the rays, logarithms of the semi-axes of the first ellipse, shortest ray, 1 if the fit is usable."""
 
-_POWER = 0.63
-"""Axis ratio of a Hertz contact ~ (ratio of curvatures)^0.63 (`elongation.ASPECT_EXPONENT`)."""
-
 
 @inner(fastmath=QUOTIENTS)
 def move(x0, y0, sine, tangent, out):
@@ -81,23 +79,13 @@ def move(x0, y0, sine, tangent, out):
                         store(out, o + k - j, load(out, o + k - j) - above)
 
 
-@compiled(fastmath=QUOTIENTS)
-def solve(matrix, vector):
-    """Gaussian elimination in place of a positive system of five; upper triangle given."""
-    n = 5
-    for i in range(n):
-        pivot = 1.0 / load(matrix, n * i + i)
-        store(matrix, n * i + i, pivot)
-        for r in range(i + 1, n):
-            f = load(matrix, n * i + r) * pivot
-            for c in range(r, n):
-                store(matrix, n * r + c, load(matrix, n * r + c) - f * load(matrix, n * i + c))
-            store(vector, r, load(vector, r) - f * load(vector, i))
-    for i in range(n - 1, -1, -1):
-        v = load(vector, i)
-        for c in range(i + 1, n):
-            v -= load(matrix, n * i + c) * load(vector, c)
-        store(vector, i, v * load(matrix, n * i + i))
+@inner(fastmath=QUOTIENTS, inline="always")
+def mirrored(a, b, c, d):
+    """Parity sums over the four mirror images: even, odd in x and y, odd in x, odd in y.
+
+    Of four such parts it makes the values at the images 0, 3, 1, 2.
+    """
+    return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
 
 
 @inner(fastmath=QUOTIENTS)
@@ -150,8 +138,8 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
     """Least-squares polynomials of summits on nested ellipses.
 
     `reach[p]` is the length of ray p in the largest ellipse, `wide` holds its inverse semi-axes.
-    `rules` are the arrays of `FitRules`: fit s uses the samples `radii[rings[s]]`; `image[b]` are
-    the mirror images of ray b, by which the fit separates into four parity classes;
+    `rules` are those of `batch._fit_rules`: fit s uses the samples `radii[rings[s]]`; `image[b]`
+    are the mirror images of ray b, by which the fit separates into four parity classes;
     `matrices[number, c]` gives the coefficients of the monomials `members[c, :count[c]]` from the
     means of class c at the points.
     Fills the groups `coefs` of x**i y**j, (NESTED_FITS, monomials).
@@ -169,10 +157,8 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
                 f0, f1 = load(value, p0 * samples + r), load(value, p1 * samples + r)
                 f2, f3 = load(value, p2 * samples + r), load(value, p3 * samples + r)
                 at, step = (b * per + j) * NESTED_FITS + s, points * NESTED_FITS
-                store(part, at, f0 + f1 + f2 + f3)
-                store(part, at + step, f0 - f1 + f2 - f3)
-                store(part, at + 2 * step, f0 - f1 - f2 + f3)
-                store(part, at + 3 * step, f0 + f1 - f2 - f3)
+                for c, total in enumerate(mirrored(f0, f1, f2, f3)):
+                    store(part, at + c * step, total)
     for axis in range(2):
         outer = splat(1.0)
         for k in range(DEGREE + 1):
@@ -224,7 +210,9 @@ def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, m, sca
         store(frame, rays + p, 2.0 * s * c)
     stretch = math.tan(2 * math.pi * ray / rays) * load(frame, ray) / load(frame, rays + ray)
     ratio = between(small / large, splat(0.0), splat(1.0))
-    ratio = most(_POWER * logarithm(most(ratio, splat(1e-300))), splat(math.log(SMALLEST_RATIO)))
+    ratio = most(
+        ASPECT_EXPONENT * logarithm(most(ratio, splat(1e-300))), splat(math.log(SMALLEST_RATIO))
+    )
     ratio = where(large > 0.0, ratio, 0.0)
     step = math.log(skews[1] / skews[0])
     number = whole(-(ratio + logarithm(stretch) + math.log(skews[0])) * (1 / step) + 0.5)
@@ -262,8 +250,8 @@ def _first_ellipse(coefs, depth, m, scales):
     """Logarithms of the semi-axes of the Hertz contacts of the paraboloids in the smallest fits."""
     o = (NESTED_FITS - 1) * TERMS
     along, across = most(load(coefs, o + 3), splat(1e-300)), most(load(coefs, o + 5), splat(1e-30))
-    ratio = most(_POWER * logarithm(along / across), splat(math.log(SMALLEST_RATIO)))
-    mean = logarithm(across) + (0.5 / _POWER) * ratio
+    ratio = most(ASPECT_EXPONENT * logarithm(along / across), splat(math.log(SMALLEST_RATIO)))
+    mean = logarithm(across) + (0.5 / ASPECT_EXPONENT) * ratio
     size = 0.5 * (math.log(0.5 * depth * (1 + m)) - mean)
     store(scales, 4, size - 0.5 * ratio)
     store(scales, 5, size + 0.5 * ratio)

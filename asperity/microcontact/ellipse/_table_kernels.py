@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from asperity.errors import Flag
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 from surfaces.numerics.lanes import LANES, groups, load, ordered, spread_rows
 
@@ -21,7 +22,7 @@ from ._ellipse_kernels import SHAPE_ROW, STATES
 WIDTH = 5
 """Largest number of levels in the stencil of a slope."""
 
-_BEYOND, _FILLED = 64, 128
+_BEYOND, _FILLED = int(Flag.BEYOND_RADIUS), int(Flag.FILLED)
 _UNTRUSTED = 0.05
 """Expected relative error of the force (`LawTable.spread`) beyond the trusted levels."""
 

@@ -26,15 +26,7 @@ from asperity.microcontact.law_table import INTERVALS, LawTable
 from surfaces.errors import InputError
 from surfaces.numerics import parallel
 
-from .ellipse_operator import (
-    DEGREE,
-    LANES,
-    LOG_RATIO,
-    between,
-    ellipse_tables,
-    monomials,
-    parity_of,
-)
+from .ellipse_operator import DEGREE, LOG_RATIO, between, ellipse_tables, monomials, parity_of
 
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
@@ -181,10 +173,12 @@ def _fit_rules(rays: int) -> tuple[Any, ...]:
 @lru_cache(maxsize=8)
 def _rules(m: float, rays: int, samples: int) -> tuple[Any, ...]:
     """Arguments of `fit_rows`, `march_rows` and `tabulate_rows` that depend on m and the grids."""
+    from ._contour_kernels import QUARTERS
+
     table, moments = ellipse_tables(m)
     first, last, count = LOG_RATIO
     u = LEVELS
-    punch = np.ascontiguousarray(table[:, (monomials(DEGREE)[0].size + 1) * LANES])
+    punch = np.ascontiguousarray(table[:, QUARTERS])
     return (
         _fit_rules(rays),
         (
@@ -204,19 +198,20 @@ def _rules(m: float, rays: int, samples: int) -> tuple[Any, ...]:
 
 def _fine_rows(rows: Array) -> Array:
     """Rows of the tables at `_RATIO_POINTS` axis ratios, by cubic interpolation, in the layout of
-    `_contour_kernels`."""
-    from surfaces.numerics.lanes import groups
+    `_contour_kernels`: every quarter, the two single numbers and the forms in groups of their own.
+    """
+    from surfaces.numerics.lanes import LANES, groups
 
-    from ._contour_kernels import FORMS, WIDTH
+    from ._contour_kernels import FORMS, NODES, QUARTERS, WIDTH
 
     first, last, _ = LOG_RATIO
     fine = np.stack([between(rows, place) for place in np.linspace(first, last, _RATIO_POINTS)])
-    edge = (WIDTH - FORMS - 1) * LANES
-    out = groups(_RATIO_POINTS * WIDTH).reshape(_RATIO_POINTS, -1)
-    out[:, :edge] = fine[:, :edge]
-    out[:, edge] = fine[:, 0]
-    out[:, edge + 1] = fine[:, edge]
-    out[:, edge + LANES : edge + LANES + fine.shape[1] - edge - 1] = fine[:, edge + 1 :]
+    out = groups(_RATIO_POINTS * WIDTH).reshape(_RATIO_POINTS, WIDTH, LANES)
+    forms = fine[:, QUARTERS + 1 :]
+    forms = np.pad(forms, ((0, 0), (0, FORMS * LANES - forms.shape[1])))
+    out[:, : -FORMS - 1, :NODES] = fine[:, :QUARTERS].reshape(_RATIO_POINTS, -1, NODES)
+    out[:, -FORMS - 1, :2] = fine[:, [0, QUARTERS]]
+    out[:, -FORMS:] = forms.reshape(_RATIO_POINTS, FORMS, LANES)
     return out.ravel()
 
 
@@ -230,7 +225,7 @@ def _workspace(key: tuple[Any, ...], make: Callable[[], tuple[Any, ...]]) -> tup
 
 def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
     """Law table of a batch of profiles about their optimal ellipses; see `laws.tabulate`."""
-    from surfaces.numerics.lanes import packed
+    from surfaces.numerics.lanes import LANES, packed
 
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
     from ._fit_kernels import NESTED_FITS, SCALES, TERMS, fit_rows, frame_space
@@ -243,10 +238,9 @@ def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
         packed(profiles.phi), profiles.angle, packed(profiles.weight), profiles.curvature,
         packed(profiles.edge), packed(profiles.q), profiles.valid, rays, profiles.t.size,
     )  # fmt: skip
-    reach = np.zeros(n)
-    force, stiffness, area, spread = np.zeros((4, n, INTERVALS + 1))
-    flags, centre = np.zeros((n, INTERVALS + 1), np.uint8), np.zeros((n, INTERVALS + 1, 2))
-    out = (reach, force, stiffness, area, flags, spread, centre)
+    table = LawTable.empty(n, INTERVALS, 3 + m)
+    table.centre = np.zeros((n, INTERVALS + 1, 2))
+    out = tuple(table.columns.values())
     u = levels[0]
     widths = (4 * rays, NESTED_FITS * TERMS, SCALES, u.size * STATES, SHAPE_ROW, LANES)
 
@@ -272,7 +266,4 @@ def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
             )  # fmt: skip
 
     parallel.run(part, parallel.blocks(n, 32))
-    return LawTable(
-        reach, force, stiffness, area, flags, spread, exponent=3 + material.m,
-        centre=centre,
-    )  # fmt: skip
+    return table

@@ -23,7 +23,6 @@ from surfaces.numerics.cubics import lagrange
 
 __all__ = [
     "DEGREE",
-    "LANES",
     "LOG_RATIO",
     "between",
     "edge_operator",
@@ -41,9 +40,6 @@ Index = NDArray[np.int64]
 
 DEGREE = 6
 """Default degree of the profile polynomials."""
-
-LANES = 8
-"""Nodes on a quarter of the ellipse in the tables: DEGREE + 1, padded by the last one."""
 
 LOG_RATIO = (math.log(1 / 80), math.log(2.5), 64)
 """First and last ln(b/a) of the tables and the number of nodes."""
@@ -175,12 +171,14 @@ def _punch_moments(degree: int, m: float) -> Array:
 
 
 def pressure_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
-    """Pressure polynomials of displacement monomials on ellipses of ``a b = 1`` of axis ratios (n,).
+    """Pressure polynomials of displacement monomials on ellipses of ``a b = 1``, of axis ratios
+    (n,).
 
     Row r holds the coefficients of the polynomial that ``(1 - rho**2)**((m-1)/2)`` multiplies,
     for unit modulus, shape (n, monomials, monomials).
     """
-    return np.linalg.inv(_operator(degree, m, _chord_transform(degree, m), 0, ratio))
+    operator = _operator(degree, m, _chord_transform(degree, m), 0, ratio)
+    return np.asarray(np.linalg.inv(operator))
 
 
 def edge_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
@@ -280,8 +278,7 @@ def ellipse_tables(m: float, degree: int = DEGREE) -> tuple[Array, Array]:
     rows
         One row per ln(b/a): edge amplitudes (monomial, node) flattened, quadrature weights of
         ``gamma**(m-1)`` at the nodes, stiffness of the unit punch (s = 1, modulus 1), and the
-        upper triangles of the second-order stiffness form of the four parity classes. Every
-        quarter is padded to `LANES` nodes by its last one, without weight.
+        upper triangles of the second-order stiffness form of the four parity classes.
     moments
         Mean of each monomial under the flat-punch pressure of the ellipse.
     """
@@ -297,10 +294,8 @@ def ellipse_tables(m: float, degree: int = DEGREE) -> tuple[Array, Array]:
     on_quarter = on_quarter * np.where((nodes == 0) | (nodes == nodes[-1]), 2.0, 4.0)
     stiffness = 2 / ((1 + m) * moments[:, :1])
     forms = _stiffness_forms(m, ratio, degree, moments)
-    spare = ((0, 0), (0, max(LANES - quarter, 0)))
-    edge = edge_operator(m, ratio, degree)
-    edge = np.pad(edge, ((0, 0), *spare), mode="edge").reshape(ratio.size, -1)
-    rows = np.concatenate([edge, np.pad(on_quarter, spare), stiffness, forms], axis=1)
+    edge = edge_operator(m, ratio, degree).reshape(ratio.size, -1)
+    rows = np.concatenate([edge, on_quarter, stiffness, forms], axis=1)
     return np.ascontiguousarray(rows), _punch_moments(degree, m)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.microcontact.ellipse.ellipse_operator import LOG_RATIO
+from asperity.microcontact.hertz import ASPECT_EXPONENT
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .ellipse_expansion import ANGLES, Edge, Gap, edge_of, fit_points, fitted
@@ -182,6 +183,6 @@ class Search:
         values, axes = np.linalg.eigh([[c[3], 0.5 * c[4]], [0.5 * c[4], c[5]]])
         if gap.misfit > SHARP_TIP * approach or not values[1] > 0:
             return circle, gap.misfit <= SHARP_TIP * approach
-        root = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.315
+        root = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** (ASPECT_EXPONENT / 2)
         turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
         return Ellipse(radius / root, radius * root, turn, 0.0, 0.0), True

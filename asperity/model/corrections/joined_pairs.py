@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.elongation import ASPECT_EXPONENT
 from asperity.microcontact.basin_bem.press import press
+from asperity.microcontact.hertz import ASPECT_EXPONENT
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace

@@ -11,8 +11,12 @@ from scipy.linalg import solve
 
 from asperity.halfspace.influence import near_influence
 from asperity.halfspace.transforms import edge_weights
-from asperity.microcontact.ellipse import _basin_kernels, _fit_kernels, _table_kernels
-from asperity.microcontact.ellipse._contour_kernels import place
+from asperity.microcontact.ellipse import (
+    _basin_kernels,
+    _contour_kernels,
+    _fit_kernels,
+    _table_kernels,
+)
 from asperity.microcontact.ellipse._ellipse_kernels import SHAPE, STATES
 from asperity.microcontact.ellipse.batch import (
     LEVELS,
@@ -36,7 +40,7 @@ def lanes(values):
 
 @njit
 def _places(x, y, out):
-    store(out, 0, place(load(x, 0), load(y, 0), 16))
+    store(out, 0, _contour_kernels.place(load(x, 0), load(y, 0), 16))
 
 
 def test_place_of_a_direction_without_arctangent():
@@ -70,7 +74,7 @@ def test_small_systems():
     right = RNG.normal(size=(LANES, 5))
     expected = np.linalg.solve(matrix, right[..., None])[..., 0]
     vector = right.T.copy().ravel()
-    _fit_kernels.solve(np.triu(matrix).reshape(LANES, -1).T.copy().ravel(), vector)
+    _contour_kernels.solve(np.triu(matrix).reshape(LANES, -1).T.copy().ravel(), vector)
     np.testing.assert_allclose(vector.reshape(5, LANES).T, expected)
 
 
