@@ -215,7 +215,7 @@ def surface_point(
         return SurfacePoint(state.separation, area, stiffness, stiffness)
     fall = LOAD_STEP * state.mean_pressure / stiffness
 
-    def twin(step: float) -> tuple[float, float, float, float]:
+    def after_fall(step: float) -> tuple[float, float, float, float]:
         """After a fall of the flat by `step` [m]: sum Phi [J] and load [N] of elastic contacts of
         the same areas, load [N] of the contacts, and e/c."""
         approach = np.maximum(state.approach[closed] + step * gained, 0.0)
@@ -230,7 +230,7 @@ def surface_point(
         stored = law.stored(elastic / width, share)
         return float(np.sum(width * stored)), float(elastic.sum()), float(force.sum()), intact
 
-    low, middle, high = (twin(step) for step in (-fall, 0.0, fall))
+    low, middle, high = (after_fall(step) for step in (-fall, 0.0, fall))
     gain = 0.5 * (high[2] - low[2]) / middle[2]
 
     def raised(before: tuple[float, ...], after: tuple[float, ...], wider: float) -> float:

@@ -163,6 +163,13 @@ def _level(count, bound, pressure, residual):
 
 
 @inner(fastmath=True)
+def _is_free(pressure, over, bound):
+    """Whether an element is between the bounds, or leaves one: `over` is its residual above the
+    level."""
+    return (pressure > 0.0 or over > 0.0) and (pressure < bound or over < 0.0)
+
+
+@inner(fastmath=True)
 def bear(count, row, col, overlap, kernel, load, bound, tolerance, system, pressure, work):
     """Pressures 0 <= p <= bound whose sum is the `load`: the minimum of p.G p / 2 - p.h.
 
@@ -197,7 +204,7 @@ def bear(count, row, col, overlap, kernel, load, bound, tolerance, system, press
             over = residual[i] - level
             total += pressure[i] * overlap[i]
             error += (bound - pressure[i]) * over if over > 0.0 else -pressure[i] * over
-            if (pressure[i] > 0.0 or over > 0.0) and (pressure[i] < bound or over < 0.0):
+            if _is_free(pressure[i], over, bound):
                 square += over * over
                 free += 1
         if error <= tolerance * total or free == 0:
@@ -208,7 +215,7 @@ def bear(count, row, col, overlap, kernel, load, bound, tolerance, system, press
             over = residual[i] - level
             direction[i] = (
                 over + share * direction[i]
-                if (pressure[i] > 0.0 or over > 0.0) and (pressure[i] < bound or over < 0.0)
+                if _is_free(pressure[i], over, bound)
                 else np.float32(0.0)
             )
             mean += direction[i]
@@ -216,7 +223,7 @@ def bear(count, row, col, overlap, kernel, load, bound, tolerance, system, press
         above, below = 0.0, 0.0
         for i in range(count):
             over = residual[i] - level
-            if (pressure[i] > 0.0 or over > 0.0) and (pressure[i] < bound or over < 0.0):
+            if _is_free(pressure[i], over, bound):
                 direction[i] -= np.float32(mean)
                 above += over * direction[i]
             change[i] = 0.0

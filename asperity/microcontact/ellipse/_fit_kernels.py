@@ -53,20 +53,15 @@ def move(x0, y0, sine, tangent, out):
     """Coefficients about (x0, y0) in axes turned by an angle, in place: Taylor shifts, then three
     shears, for the `sine` of the angle and the `tangent` of half of it.
     """
-    for j in range(DEGREE):
-        top = DEGREE - j
-        for p in range(top):
-            for i in range(top - 1, p - 1, -1):
-                k = i + j
-                low, high = k * (k + 1) // 2 + j, (k + 1) * (k + 2) // 2 + j
-                store(out, low, load(out, low) + x0 * load(out, high))
-    for i in range(DEGREE):
-        top = DEGREE - i
-        for p in range(top):
-            for j in range(top - 1, p - 1, -1):
-                k = i + j
-                low, high = k * (k + 1) // 2 + j, (k + 1) * (k + 2) // 2 + j + 1
-                store(out, low, load(out, low) + y0 * load(out, high))
+    for axis, shift in enumerate((x0, y0)):
+        for other in range(DEGREE):
+            top = DEGREE - other
+            for p in range(top):
+                for power in range(top - 1, p - 1, -1):
+                    k = power + other
+                    low = k * (k + 1) // 2 + (power if axis == 1 else other)
+                    high = low + k + 1 + axis
+                    store(out, low, load(out, low) + shift * load(out, high))
     for k in range(1, DEGREE + 1):
         o = k * (k + 1) // 2
         for shear in range(3):
