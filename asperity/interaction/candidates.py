@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import Flag
-from asperity.interaction.ewald.operator import Interaction
+from asperity.interaction.ewald.near_pairs import widest_in_cell
+from asperity.interaction.ewald.operator import CUT_OVER_SPLIT_LENGTH, Interaction
 from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.state import Problem
 
 if TYPE_CHECKING:
-    from asperity.halfspace.footprint import Footprints
     from asperity.interaction.ewald.mesh import SmoothField
     from asperity.interaction.newton.final_step import Solution
     from asperity.interaction.newton.laws import Evaluated
@@ -39,10 +39,11 @@ near pairs footprints are round. The list changes the load at 25 % of contact by
 4:1, by 0.3 % with 6:1 (by 5 and 18 % if it allows for round footprints only; seed 1)."""
 
 WIDEST_SHARE = 0.95
-"""Share of the load on footprints no wider than the near pairs of a list allow for. One contact
-that carries a third of the load reaches far: by 98 % of the number of contacts, whatever their
-loads, the loads of 12 of 40 maps depended on the load path by more than a tenth of the stated
-error, by 95 % of the load those of 4."""
+"""Share of the load on footprints no wider than the near pairs of a list allow for, unless these
+would reach beyond the cell; in any case they allow for `WIDEST_NUMBER` of the contacts. One contact
+that carries a third of the load reaches far: by the number alone the loads of 14 of 40 maps
+depended on the load path by more than a tenth of the stated error, with the load those of 4."""
+WIDEST_NUMBER = 0.98
 
 LARGEST_DISTANCE = 0.06
 """Largest mean distance between points and centres of contacts, over the contact radius."""
@@ -147,7 +148,7 @@ class CandidateList:
             system.boundary,
             system.footprints,
             form=form,
-            widest=_widest(system.footprints, elongation, closed[some], law),
+            widest=_widest(system, elongation, closed[some], law),
         )
         index = index[coupling.order]
         problem = Problem(
@@ -206,7 +207,7 @@ class CandidateList:
         law = laws(values[0, some])
         elongation = None if self.problem.elongation is None else system.elongation
         coupling = self.problem.coupling
-        if not coupling.holds(_widest(coupling.footprints, elongation, rows[some], law)):
+        if not coupling.holds(_widest(system, elongation, rows[some], law)):
             return None
         many = min(1.0, len(touches) / MANY_CONTACTS)
         bound = max(LARGEST_FIELD_ERROR, many * ERROR_PER_TOLERANCE * tolerance)
@@ -281,16 +282,19 @@ def _overlaps(
 
 
 def _widest(
-    footprints: Footprints, elongation: Elongation | None, closed: Rows, law: Evaluated
+    system: ContactSystem, elongation: Elongation | None, closed: Rows, law: Evaluated
 ) -> float:
-    """Variance [m^2] of the widest footprints of the contacts `closed`: those that are wider carry
-    less than 1 - `WIDEST_SHARE` of the load."""
+    """Variance [m^2] of the widest footprints of the contacts `closed` that the near pairs of a
+    list allow for (`WIDEST_SHARE`)."""
     if not len(closed):
         return 0.0
-    variance = footprints.variance(law.stiffness)
+    variance = system.footprints.variance(law.stiffness)
     if elongation is not None:
         along = elongation.rows(closed).along
         variance = variance * np.maximum(1.0, ELONGATED_SHARE * along)
     order = np.argsort(variance)
     load = np.cumsum(law.force[order])
-    return float(variance[order[np.searchsorted(load, WIDEST_SHARE * load[-1])]])
+    widest = float(variance[order[np.searchsorted(load, WIDEST_SHARE * load[-1])]])
+    if system.boundary == "periodic":
+        widest = min(widest, widest_in_cell(system.cell, CUT_OVER_SPLIT_LENGTH))
+    return max(widest, float(variance[order[int(WIDEST_NUMBER * (len(order) - 1))]]))

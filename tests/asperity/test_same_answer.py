@@ -120,7 +120,7 @@ def test_crowded_long_contacts():
     [
         # residuals of many contacts do not average out where all start from a guess
         ((160, 192), {"hurst": 0.43, "cutoff": 3.0, "rolloff": 30.0, "seed": 9023}),
-        # from a guess long footprints need more than 24 steps to a small residual
+        # long footprints that need more than 24 steps to a small residual
         ((192, 384), {"hurst": 0.90967750155, "anisotropy": 4.0, "seed": 9013}),
     ],
 )

@@ -28,7 +28,7 @@ from .near_pairs import (
 )
 from .two_level import TwoLevelPreconditioner
 
-__all__ = ["ROUND", "Field", "Interaction"]
+__all__ = ["CUT_OVER_SPLIT_LENGTH", "ROUND", "Field", "Interaction"]
 
 CUT_OVER_SPLIT_LENGTH = 2.0
 """Cut-off distance of the near pairs, over the split length eta."""

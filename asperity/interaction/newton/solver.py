@@ -16,12 +16,8 @@ from .step import Step, conjugate_gradients
 __all__ = ["descent"]
 
 MAX_NEWTON_STEPS = 60
-MAX_LOADED_STEPS = 30
-"""Newton steps under a load before the separation is searched for instead."""
-
-MAX_LONG_STEPS = 24
-"""Newton steps with elongated footprints before round ones are taken instead: long footprints can
-overlap so far that their approximate sum has no solution, or several."""
+"""Newton steps before a solve is given up: with elongated footprints round ones are taken instead,
+under a load the separation is searched for. Some solves with elongated footprints need 40."""
 
 MAX_CUTS = 20
 """Halvings of a Newton step in the line search: shorter steps still lower the energy, but settle
@@ -52,8 +48,8 @@ REFINED_RESIDUAL = 0.03
 """Residual above which a step evaluates the laws twice (`Step.refine`)."""
 
 AVERAGING_CONTACTS = 400
-"""Number of closed contacts whose errors of both signs average out. Under a load the steps of
-fewer contacts aim at a residual that is smaller in proportion."""
+"""Number of closed contacts whose errors of both signs average out. The steps of fewer contacts aim
+at a residual that is smaller in proportion."""
 
 MISSED_LOAD = 1e-3
 """Relative error of the load above which the last step counts as failed."""
@@ -140,14 +136,9 @@ def _newton_steps(
 ) -> Generator[NDArray[np.int64], None, Solution]:
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
-    limit = MAX_NEWTON_STEPS
-    if problem.elongation is not None:
-        limit = MAX_LONG_STEPS
-    elif load is not None:
-        limit = MAX_LOADED_STEPS
     products, reason, held, share = 1, "", None, EARLY_RELAXATION
     last = np.zeros(len(start))
-    for step in range(limit + 1):
+    for step in range(MAX_NEWTON_STEPS + 1):
         state.balance(separation, load is not None)
         lacking = problem.laws.lacking(state.wanted)
         if lacking.size:
@@ -157,15 +148,15 @@ def _newton_steps(
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)
         closed = int(np.count_nonzero(state.approach))
-        few = 1.0 if load is None else min(1.0, closed / AVERAGING_CONTACTS)
+        few = min(1.0, closed / AVERAGING_CONTACTS)
         if error <= few * tolerance and wrong <= 0.5 * tolerance:
             break
         if load is not None and not state.active.any():
             reason = "no contact is left to carry the load"
             break
-        if step == limit:
+        if step == MAX_NEWTON_STEPS:
             if error > tolerance or wrong > 0.5 * tolerance:
-                reason = f"{limit} Newton steps left a residual of {error:.1e}"
+                reason = f"{MAX_NEWTON_STEPS} Newton steps left a residual of {error:.1e}"
             break
         behind = state.risen - (state.risen if held is None else held)
         if step >= FIXED_RELAXATION_STEPS:

@@ -130,6 +130,8 @@ def indent(
     _require_profile(profile)
     require_half_space(material)
     require_law(law)
+    if law not in SOLVERS:
+        raise ModelRangeError(f"the law {law!r} is one of batches of summits alone")
     warn_once(modulus_warning(material))
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")

@@ -41,6 +41,7 @@ def light():
 def narrow(monkeypatch):
     """The near pairs of a list serve contacts of all sizes."""
     monkeypatch.setattr(module, "WIDEST_SHARE", 0.0)
+    monkeypatch.setattr(module, "WIDEST_NUMBER", 0.0)
 
 
 def placed(population, listing, values):

@@ -75,9 +75,9 @@ def test_runs_that_are_joined_have_the_stiffness_of_all_points():
     joined = first.joined(later)
     whole = asperity.contact_curve(hm, body, pressures=loads)
     np.testing.assert_array_equal(later.stiffness, later.extra["tangent_stiffness"])
-    # the last point was started elsewhere: its tangent differs by 0.5 %
+    # the last point was started elsewhere: its tangent differs by 0.3 %
     np.testing.assert_allclose(joined.stiffness, whole.stiffness, rtol=0.02)
-    assert joined.stiffness[3] > 1.005 * later.stiffness[0]
+    assert joined.stiffness[3] > 1.002 * later.stiffness[0]
 
 
 def test_ratio_of_what_is_not_known_or_infinite_is_one_and_warns_of_nothing():
