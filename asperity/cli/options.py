@@ -61,7 +61,7 @@ def add_material_options(parser: argparse.ArgumentParser, **how: Any) -> None:
         ("--nu", number, "Poisson's ratio (default 0.3)"),
         ("--m", number, "exponent of E(z) = E z^m (default 0)"),
         ("--modulus", pressure, "composite modulus E* [Pa] in place of E, nu"),
-        ("--hardness", pressure, "largest contact pressure of the body [Pa] (default: no limit)"),
+        ("--hardness", pressure, "largest pressure that the body bears [Pa] (default: no limit)"),
         ("--E2", pressure, "Young's modulus of a second body [Pa]"),
         ("--nu2", number, "its Poisson's ratio (default 0.3)"),
         ("--hardness2", pressure, "its hardness [Pa] (default: no limit)"),

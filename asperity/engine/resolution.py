@@ -81,8 +81,9 @@ class SolvedLoads:
     ----------
     lightest
         The lightest load point under load; None before any.
-    opened
-        Largest `opened_share` of a load point, and minus its mean pressure [Pa].
+    opened, opened_at
+        Largest `opened_share` of a load point, and the mean pressure [Pa] of this point; zero
+        before any opens.
     """
 
     def __init__(
@@ -93,7 +94,7 @@ class SolvedLoads:
     ) -> None:
         self.material, self.periodic, self.progress = material, boundary == "periodic", progress
         self.lightest: SolvedLoad | None = None
-        self.opened = 0.0, 0.0
+        self.opened = self.opened_at = 0.0
         self._turn = threading.Lock()
 
     def __call__(self, point: SolvedLoad) -> None:
@@ -103,7 +104,9 @@ class SolvedLoads:
             if point.mean_pressure <= 0.0:
                 return
             share = opened_share(point, self.material, periodic=self.periodic)
-            self.opened = max(self.opened, (share, -point.mean_pressure))
+            # of equal ones the lighter, whichever comes first
+            if (share, -point.mean_pressure) > (self.opened, -self.opened_at):
+                self.opened, self.opened_at = share, point.mean_pressure
             if self.lightest is None or point.mean_pressure < self.lightest.mean_pressure:
                 self.lightest = point
 
@@ -158,7 +161,7 @@ def resolution(
     waves of the map end well above its pixels, where it touches, too, and few contacts are narrow:
     the least uncertainty is stated.
     """
-    point, (opened, softest) = solved.lightest, solved.opened
+    point, opened = solved.lightest, solved.opened
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
     share = narrow_share(point.contact, periodic=solved.periodic)
@@ -178,7 +181,7 @@ def resolution(
     # the heaviest load is left out: it takes longest and differs least
     # (docs/development/verification.md)
     middle = math.sqrt(point.mean_pressure * max(heaviest, point.mean_pressure))
-    loads = np.unique([point.mean_pressure, middle, -softest or middle])
+    loads = np.unique([point.mean_pressure, middle, solved.opened_at or middle])
     loads = np.minimum(loads, material.hardness)  # by rounding a solved load may exceed it
     load, area = np.maximum(FITTED.floor, _apart(part, finer, material, boundary, loads)).tolist()
     if math.isnan(load + area):

@@ -123,27 +123,39 @@ class Population(ContactSystem):
             raise InputError("give either separation or pressure")
         if not as_number("tolerance", tolerance) > 0:
             raise InputError(f"tolerance must be positive, got {tolerance!r}")
-        last = Continuation(self) if state is None else state.continuation
-        self.laws.foresee(None)
         if separation is not None:
-            if not math.isfinite(as_number("separation", separation)):
+            separation = as_number("separation", separation)
+            if not math.isfinite(separation):
                 raise InputError(f"separation must be finite, got {separation!r} m")
-            depth = self.highest - float(separation)
-            if state is None and self.interaction and depth > 0:
-                lighter = solve_at(last, self.highest - LIGHTER_DEPTH * depth, tolerance)
-                last = lighter.continuation if lighter.converged else last
-            return self._judged(solve_at(last, float(separation), tolerance))
-        pressure = as_number("pressure", pressure)
-        if not 0 <= pressure < math.inf:
-            raise InputError(f"pressure must be finite and not negative, got {pressure:g} Pa")
-        if state is None and self.interaction and pressure > 0:
-            lighter = solve_under(last, LIGHTER_LOAD * pressure, tolerance, None)
-            if lighter.converged:
-                last, state = lighter.continuation, lighter
+        if pressure is not None:
+            pressure = as_number("pressure", pressure)
+            if not 0 <= pressure < math.inf:
+                raise InputError(f"pressure must be finite and not negative, got {pressure:g} Pa")
+        self.laws.foresee(None)
+        if state is None and self.interaction:
+            state = self._lighter(separation, pressure, tolerance)
+        last = Continuation(self) if state is None else state.continuation
+        if pressure is None:
+            assert separation is not None
+            return self._judged(solve_at(last, separation, tolerance))
         if heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
         return self._judged(solve_under(last, pressure, tolerance, state))
+
+    def _lighter(
+        self, separation: float | None, pressure: float | None, tolerance: float
+    ) -> PopulationState | None:
+        """A state at a lighter load, to start from; None if nothing touches there, or if it did not
+        converge."""
+        nothing = Continuation(self)
+        if pressure is not None:
+            found = solve_under(nothing, LIGHTER_LOAD * pressure, tolerance, None)
+        else:
+            assert separation is not None
+            depth = LIGHTER_DEPTH * (self.highest - separation)
+            found = solve_at(nothing, self.highest - depth, tolerance)
+        return found if found.converged and found.mean_pressure > 0 else None
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area
