@@ -37,7 +37,7 @@ TRUTH = 0.003
 
 def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
     """Rows of one map."""
-    body = asperity.HalfSpace.from_modulus(1.0, m, args.hardness * hm.roughness.rms_slope)
+    body = asperity.HalfSpace.from_modulus(1.0, m, hardness=args.hardness * hm.roughness.rms_slope)
     loads = default_pressures(hm, body, args.loads)
     truth = asperity.bem_curve(hm, body, pressures=loads, accuracy=TRUTH, boundary=boundary)
     work = truth.extra["elastic_energy"] + truth.extra.get("plastic_work", 0.0)
