@@ -93,7 +93,7 @@ def as_numbers(
     try:
         given = np.ma.asarray(values)
         mixed = isinstance(values, list | tuple) and any(isinstance(one, bool) for one in values)
-        if given.dtype.kind in "bcSU" or mixed:
+        if given.dtype.kind in "bcmMSU" or mixed:
             raise TypeError
         array = np.ma.filled(given.astype(np.float64, copy=copy), np.nan)
     except (TypeError, ValueError, OverflowError):
@@ -243,11 +243,13 @@ def checked_span(
     name: str, span: tuple[float, float] | None, places: NDArray[np.float64], length: float
 ) -> tuple[int, int]:
     """First pixel whose centre lies in a span [m], and one past the last."""
-    low, high = (0.0, length) if span is None else (as_number(name, end) for end in span)
+    ends = as_numbers(name, (0.0, length) if span is None else span, finite=False)
     slack = 1e-9 * length
-    if not -slack <= low < high <= length + slack:
-        raise SurfaceError(f"{name} is {span}; give two places from 0 to {length:.6g} m, rising")
-    first, last = np.searchsorted(places, (low, high))
+    if ends.shape != (2,) or not -slack <= ends[0] < ends[1] <= length + slack:
+        raise SurfaceError(
+            f"{name} is {shown(span)}; give two places from 0 to {length:.6g} m, rising"
+        )
+    first, last = np.searchsorted(places, ends)
     if last - first < 3:
         raise SurfaceError(f"{name} is {span} m, which holds fewer than three pixels")
     return int(first), int(last)

@@ -10,8 +10,8 @@ from typing import ParamSpec
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError, as_count
-from .heightmap import HeightMap
+from .errors import InputError, as_count, as_number, shown
+from .heightmap import HeightMap, require_map
 from .random_waves import RandomWaves, checked_shape, checked_size
 
 __all__ = ["redistribute", "self_affine", "synthesis"]
@@ -23,16 +23,20 @@ Array = NDArray[np.float64]
 
 
 def synthesis(make: Callable[Arguments, HeightMap]) -> Callable[Arguments, HeightMap]:
-    """A function that makes a periodic map of a shape and a size: both are checked, and its name
-    and its other arguments are what the history of the map begins with."""
+    """A function that makes a periodic map of a shape, a size and numbers: all are checked, and its
+    name and its other arguments are what the history of the map begins with."""
+    signature = inspect.signature(make)
 
     @functools.wraps(make)
     def checked(*args: Arguments.args, **kwargs: Arguments.kwargs) -> HeightMap:
-        given = inspect.signature(make).bind(*args, **kwargs)
+        given = signature.bind(*args, **kwargs)
         given.apply_defaults()
         settings = dict(given.arguments)
         given.arguments["shape"] = checked_shape(settings.pop("shape"))
         given.arguments["size"] = checked_size(settings.pop("size"))
+        for name, value in settings.items():
+            if value is not None or signature.parameters[name].default is not None:
+                as_number(name, value)
         hm = make(*given.args, **given.kwargs)
         return hm.replace(history=({"step": make.__name__, **settings},))
 
@@ -160,6 +164,9 @@ def redistribute(
     >>> f"{np.ptp(uniform.heights):.1e}"
     '1.0e-06'
     """
+    require_map(hm)
+    if not callable(quantile):
+        raise InputError(f"quantile is {shown(quantile)}; give a function of the share of points")
     if not hm.periodic or hm.missing or hm.rms_height == 0.0:
         raise InputError(
             "redistribute needs a periodic map without missing points, and not a constant one"

@@ -73,6 +73,8 @@ def plateau_honed(
     """
     if not 0.0 < plateau <= 1.0:
         raise InputError(f"plateau is {plateau}; it must be a fraction above 0, at most 1")
+    if not 0.0 <= fine < np.inf:
+        raise InputError(f"fine is {fine}; it must be a share of at least 0, and finite")
     long = min(size) / 8.0 if rolloff is None else rolloff
     stretch = np.sqrt(_SCRATCH)  # the short wavelengths keep the roll-off asked for
     scratches = sum(
@@ -194,8 +196,11 @@ def turned(
     >>> len(surfaces.segment(hm)) > 0
     True
     """
-    if not 0.0 < feed <= 2.0 * nose_radius:
-        raise InputError(f"feed is {feed}; it must be positive and at most twice the nose radius")
+    if not 0.0 < feed <= 2.0 * nose_radius < np.inf:
+        raise InputError(
+            f"feed is {feed} and nose_radius is {nose_radius}; give a positive feed of at most "
+            "twice the nose radius, and both finite"
+        )
     if not roughness >= 0.0:
         raise InputError(f"roughness is {roughness}; it must be a height of at least 0 m")
     count = max(1, round(size[0] / feed))

@@ -51,11 +51,18 @@ def add_target(
     **settings: Any,
 ) -> None:
     """Option for a file that is written, see `Target`."""
-    action = parser.add_argument(*names, **{"metavar": "FILE"} | settings)
+    action = parser.add_argument(*names, **{"metavar": "FILE", "type": _named} | settings)
     known = parser.get_default("targets") or {}
     parser.set_defaults(
         targets={**known, action.dest: Target(suffix, one, formats, alone, several)}
     )
+
+
+def _named(name: str) -> str:
+    """Type of such an option: a shell variable that is not set is no reason to write nothing."""
+    if not name.strip():
+        raise argparse.ArgumentTypeError("the name of the file is empty")
+    return name
 
 
 def fill_in(args: argparse.Namespace, several: bool) -> None:

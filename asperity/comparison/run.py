@@ -119,7 +119,7 @@ def compare(
         _compile(material, first)
         if plan is None:  # once more, on a map without stored means: its time belongs to the model
             plan = make_plan(hm.replace(), material, **chosen)
-        say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance:.0e}")
+        say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance}")
         if reference is None:
             judge = bem_curve(hm, material, **loads, tolerance=tolerance, boundary=plan.boundary)
         else:

@@ -22,6 +22,7 @@ from asperity.halfspace.load_points import (
     require_scene,
     slope_scale,
 )
+from asperity.microcontact.laws import require_law
 from asperity.multiscale.wave_split import chosen_split, solved_grid
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
@@ -195,6 +196,7 @@ def make_plan(
     start = time.perf_counter()
     if scales not in SCALES:
         raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")
+    require_law(law)
     require_scene(hm, material)
     # results need the digest at the end; another thread computes it now, as a solve leaves one idle
     parallel.aside(functools.partial(getattr, hm, "digest"))

@@ -7,13 +7,12 @@ import math
 import os
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import FileFormatError, InputError
-from surfaces.errors import as_numbers
+from surfaces.errors import as_numbers, as_path
 from surfaces.files.atomic import replacing
 
 from .interpolation import knots_of, read_off
@@ -227,7 +226,7 @@ class InterfaceLaw:
             If the file is no such law.
         """
         try:
-            text = Path(path).read_text(errors="replace")
+            text = as_path(path).read_text(errors="replace")
         except OSError as error:
             raise FileFormatError(f"{path}: cannot be read ({error.strerror})") from error
         head = re.search(r"units (\S+), reference (\S+) m, hardness (\S+) Pa", text)

@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity import __version__
 from asperity.errors import FileFormatError, InputError
+from surfaces.errors import as_path
 from surfaces.files.atomic import replacing
 
 from .interpolation import POINT_FIELDS
@@ -177,7 +178,7 @@ def _results(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, dict[str
     """A results file, opened, and the facts about its input."""
     import h5py
 
-    if not Path(path).is_file():
+    if not as_path(path).is_file():
         raise FileFormatError(f"{path}: no such results file; make one with asperity compare")
     try:
         with h5py.File(path, "r") as file:

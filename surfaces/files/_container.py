@@ -55,8 +55,9 @@ def opened(path: Path) -> h5py.File:
     with naming_damage(path, "cannot be opened, truncated or damaged HDF5"):
         if not h5py.is_hdf5(path):
             raise FileFormatError(
-                f"{path}: this is not an HDF5 file, its signature is missing; other formats are "
-                "not read in parts, as windows are: make it HDF5 with asperity surface convert"
+                f"{path}: this is not an HDF5 file, its signature is missing; only HDF5 is checked "
+                "and read in parts: let a file of another format end as it does (.csv, .npy), and "
+                "make it HDF5 with asperity surface convert"
             )
         return h5py.File(path, "r", locking="best-effort")
 

@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
-from surfaces.errors import InputError
+from surfaces.errors import InputError, as_path
 
 __all__ = ["NOT_HDF5", "make_folder", "replacing", "require_replaceable"]
 
@@ -27,7 +27,7 @@ def require_replaceable(path: str | os.PathLike[str]) -> Path:
         If the name cannot be one, or stands for what a file must not replace: a folder, a device,
         a pipe.
     """
-    target = Path(os.path.realpath(path))  # which does not mind links in a circle
+    target = Path(os.path.realpath(as_path(path)))  # which does not mind links in a circle
     if os.fspath(path).endswith("/"):
         raise InputError(f"{path}: cannot be written, it is the name of a folder")
     try:

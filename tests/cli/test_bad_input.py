@@ -225,6 +225,22 @@ sys.exit(done)
     assert (done.returncode, done.stderr) == (130, "asperity report: interrupted\n")
 
 
+@pytest.mark.parametrize("option", ["-o", "--csv", "--plot", "--table"])
+def test_a_file_without_a_name_is_not_silently_left_out(option, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    told = refusal(["curve", "scan.h5", *STEEL, option, ""], capsys)
+    assert option in told and "empty" in told
+    assert [file.name for file in folder.iterdir()] == ["scan.h5"]
+
+
+@pytest.mark.parametrize("action", ["info", "validate"])
+def test_text_called_hdf5_is_told_to_end_as_what_it_is(action, folder, capsys):
+    (folder / "scan.h5").write_text("1 2 3\n4 5 6\n7 8 9\n")
+    main(["surface", action, "scan.h5"])
+    told = "".join(capsys.readouterr())
+    assert "signature is missing" in told and ".csv" in told and "windows" not in told
+
+
 def test_unknown_command(capsys):
     assert "invalid choice" in refusal(["contact"], capsys)
 

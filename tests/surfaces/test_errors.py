@@ -49,6 +49,26 @@ def drawn(**changed):
         lambda: asperity.set_threads([2]),
         lambda: asperity.bem_curve(HM, STEEL, pressures=[1e8], accuracy="high"),
         lambda: asperity.indent_bem(BALL, STEEL, 1e-6, grid="fine"),
+        lambda: asperity.compare(HM, STEEL, pressures=[1e8], tolerance="tight"),
+        lambda: asperity.make_plan(HM, STEEL, law="best"),
+        lambda: asperity.bem_curve(HM, STEEL, pressures=np.array(["2020"], "datetime64[Y]")),
+        lambda: asperity.read_results(3),
+        lambda: asperity.ContactCurve.from_hdf5(None, "bem"),
+        lambda: asperity.InterfaceLaw.read(b"law.inp"),
+        lambda: asperity.write_vti(None, {"height": HM.heights}, HM.spacing),
+        lambda: HM.crop(x=1e-6),
+        lambda: HM.crop(x=(1e-6, 2e-6, 9e-6)),
+        lambda: surfaces.redistribute(HM.heights, np.sqrt),
+        lambda: surfaces.redistribute(HM, 3.0),
+        lambda: surfaces.fit_spectrum(HM),
+        *(
+            lambda name=name, value=value: surfaces.ground(
+                (32, 48), (1.0, 1.5), **{"rms_slope": 0.1, "cutoff": 0.1, name: value}
+            )
+            for name in ("rms_slope", "cutoff", "rolloff", "hurst", "length", "fine", "seed")
+            for value in ("5 um", True, [0.1])
+        ),
+        lambda: surfaces.ground((32, 48), (1.0, 1.5), rms_slope=None, cutoff=0.1),
     ],
 )
 def test_a_wrong_type_is_one_sentence(call):

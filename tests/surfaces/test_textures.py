@@ -88,6 +88,11 @@ def test_no_texture_is_made_of_a_cell_that_is_none(make, more):
 def test_refusals():
     with pytest.raises(surfaces.InputError, match="plateau is"):
         textures.plateau_honed(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, plateau=0.0)
+    for fine in (-0.1, np.inf):
+        with pytest.raises(surfaces.InputError, match="fine is"):
+            textures.plateau_honed(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, fine=fine)
+    with pytest.raises(surfaces.InputError, match="both finite"):
+        textures.turned(SHAPE, SIZE, feed=0.1, nose_radius=np.inf)
     with pytest.raises(surfaces.InputError, match="rms_slope is"):
         textures.ground(SHAPE, SIZE, rms_slope=0.0, cutoff=0.05)
     with pytest.raises(surfaces.InputError, match="feed is"):
