@@ -244,9 +244,19 @@ def _table(file: Path) -> list[dict[str, Any]] | None:
         head = text.readline()
         text.seek(0)
         rows = csv.DictReader(text, delimiter=max(",;\t", key=head.count))
-        if "file" not in (rows.fieldnames or ()):
+        names = [name for name in rows.fieldnames or () if name]
+        if "file" not in names:
             return None
-        cells = [{k: _cell(k, v) for k, v in row.items() if k and v} for row in rows]
+        if len(set(names)) < len(names):
+            raise InputError(f"{file}: two columns have one name; give each option one column")
+        cells = []
+        for row in rows:
+            if row.pop("", None) or any(row.pop(None, ())):
+                raise InputError(
+                    f"{file}: line {rows.line_num} has a cell without a column; write several "
+                    "numbers of one option in one cell, with spaces"
+                )
+            cells.append({name: _cell(name, text) for name, text in row.items() if text})
     if not cells:
         raise InputError(f"{file}: a table without rows; write one for each job")
     return cells
@@ -271,7 +281,8 @@ def _words(given: Mapping[str, Any], file: Path, maps: Sequence[str]) -> list[st
         values = [] if value is True else value if isinstance(value, list) else [value]
         if name in options.LOADS:  # a list of them is one word
             values = [",".join(map(str, values))]
-        words += [f"--{name.replace('_', '-')}", *map(str, values)]
+        word = f"--{name.replace('_', '-')}"
+        words += [f"{word}={values[0]}"] if len(values) == 1 else [word, *map(str, values)]
     files = [word for one in named for word in (one if isinstance(one, list) else [one])]
     if not (files or maps) or not all(isinstance(word, str) for word in files):
         raise InputError(f'{file}: names no file; give files = ["maps/*.h5"], or a column file')

@@ -16,7 +16,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.halfspace.load_points import default_pressures
 from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported
-from surfaces.errors import as_count, as_number, as_numbers, as_path
+from surfaces.errors import as_count, as_number, as_numbers, as_path, as_truth
 from surfaces.heightmap import HeightMap
 
 from .bands import DECIDES, QUANTITIES, Ensemble, relative_half_width
@@ -131,7 +131,7 @@ def ensemble(
     jobs = maker.product(chosen, material, {**first.settings, "pressures": pressures})
     distinct = list({job.file: job for job in jobs}.values())
     rows, curves, widths = list[Any](), list[Any](), list[float]()
-    stream = run(distinct, maker.folder, on, force, pressures)
+    stream = run(distinct, maker.folder, on, as_truth("force", force), pressures)
     with reported(progress, len(distinct), "members") as tell, closing(stream):
         for job, result in _in_order(distinct, stream):
             rows.append(row_of(job, result))

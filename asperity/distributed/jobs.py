@@ -22,6 +22,7 @@ from asperity import __version__
 from asperity.compilation import CURVE
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
+from surfaces.files.atomic import make_folder
 from surfaces.heightmap import HeightMap
 
 __all__ = ["METHODS", "Job", "Jobs", "Surface", "method"]
@@ -154,7 +155,7 @@ class Jobs:
         """A map in memory, written for the workers."""
         path = self.folder / "maps" / f"{hm.digest}.h5"
         if not path.exists():
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(path.parent)
             surfaces.write(hm, path)
         return functools.partial(surfaces.read, os.path.abspath(path))
 

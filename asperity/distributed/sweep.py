@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from asperity.compilation import HARD, compile_ahead
 from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported
-from surfaces.errors import as_path
+from surfaces.errors import as_path, as_truth
 from surfaces.files.atomic import make_folder
 
 from .index import Sweep
@@ -111,7 +111,8 @@ def sweep(
     place = as_path(folder)
     on = Workers(workers, scheduler, threads)
     jobs = Jobs(place).product(surfaces, materials, settings)
-    return run_sweep(jobs, place, on, force=force, progress=progress)
+    again = as_truth("force", force)
+    return run_sweep(jobs, place, on, force=again, progress=progress)
 
 
 def run(

@@ -103,6 +103,7 @@ def test_workers_in_another_folder_know_the_memory_and_the_second_surface(
         ('files = "maps/*.h5"\nmaterial = 3', "plan.toml: material is no table"),
         ('files = "maps/*.h5"\nmaterial = [{E = 1}, 3]', "plan.toml: material is no table"),
         ("files = [3]", "plan.toml: names no file"),
+        ('files = "maps/*.h5"\nE = 1e9\nno-interaction = "maybe"', "argument --no-interaction: "),
     ],
 )
 def test_bad_plans_are_refused_in_one_sentence(text, match, tmp_path, monkeypatch, capsys):
@@ -165,3 +166,19 @@ def test_a_table_of_a_spreadsheet_is_understood(here, maps, tmp_path, monkeypatc
     Path("jobs.csv").write_text("file,E\n")
     assert main(call) == 2
     assert "jobs.csv: a table without rows" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("file,pressure\na.h5,1MPa\na.h5,1MPa,9MPa\n", "line 3 has a cell without a column"),
+        ("file,pressure,\na.h5,1MPa,9MPa\n", "line 2 has a cell without a column"),
+        ("file,E,E\na.h5,1GPa,2GPa\n", "two columns have one name"),
+    ],
+)
+def test_no_cell_of_a_table_is_silently_left_out(text, match, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("jobs.csv").write_text(text)
+    assert main(["sweep", "jobs.csv", "--E", "210GPa"]) == 2
+    err = capsys.readouterr().err
+    assert f"jobs.csv: {match}" in err and err.count("\n") == 1

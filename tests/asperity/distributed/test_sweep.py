@@ -249,6 +249,8 @@ def test_maps_in_memory_loads_and_preparation(here, tmp_path):
         ({"settings": {"method": ["bem"]}}, "give one of curve, bem, solve"),
         ({"settings": {"prepare": 3}}, "the keywords of surfaces.prepare"),
         ({"folder": None}, "the path of a file"),
+        ({"folder": __file__, "surfaces": MAKE(seed=1)}, "cannot be made"),
+        ({"force": "no"}, "force is 'no'; it must be True or False"),
         ({"workers": 2.5}, "whole number"),
         ({"settings": {"method": "magic"}}, "method is 'magic'; give one of curve, bem, solve"),
         ({"workers": 0}, "the number of workers is 0"),
