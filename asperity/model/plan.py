@@ -123,18 +123,18 @@ class Plan:
     among: LoadShares | None = field(default=None, repr=False, compare=False)
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
-        """Refuse a map or a material that the plan does not hold for.
+        """Refuse a map or a material that the plan was not made for.
 
         Raises
         ------
         InputError
-            If the plan holds the resampled map of another map, or the law of another material.
+            If the map or the material is another.
         """
-        if self.resampled is None or self.scene is None:
+        if self.scene is None:
             return
         planned, body = self.scene
         same = planned is hm or planned.digest == hm.digest
-        if not same or (self.sub_contact_law is not None and body != material):
+        if not same or body != material:
             raise InputError(
                 f"the plan was made for another {'material' if same else 'map'}; make one for this "
                 "with asperity.make_plan"

@@ -90,6 +90,18 @@ def test_a_plan_is_not_used_for_another_map(rough):
             contact_curve(other, STEEL, pressures=[1e8], plan=plan)
 
 
+def test_a_plan_of_the_map_itself_is_not_used_for_another_map_or_material(rough):
+    plan = make_plan(rough, STEEL)
+    assert plan.resampled is None
+    soft = HalfSpace.from_modulus(2e10, m=0.3)
+    for hm, body, other in (
+        (rough.replace(heights=2 * rough.heights), STEEL, "map"),
+        (rough, soft, "material"),
+    ):
+        with pytest.raises(InputError, match=f"for another {other}"):
+            contact_curve(hm, body, pressures=[1e8], plan=plan)
+
+
 def test_loads_in_the_place_of_a_plan(rough):
     with pytest.raises(InputError, match=r"plan is a list; make one with asperity\.make_plan"):
         solve_contacts(rough, STEEL, [1e8])
