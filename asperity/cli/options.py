@@ -161,8 +161,8 @@ def material(args: argparse.Namespace) -> HalfSpace:
 
 
 def _first_body(args: argparse.Namespace) -> HalfSpace:
-    if args.modulus is not None and (args.E is not None or args.nu is not None):
-        raise InputError("give either --E (with --nu) or --modulus, not both")
+    if args.modulus is not None and not (args.E is args.nu is args.E2 is None):
+        raise InputError("--modulus is E* of all: give it or --E (with --nu, and --E2), not both")
     if args.modulus is None and args.E is None:
         raise InputError("no material: give --E (Young's modulus in Pa) or --modulus (E* in Pa)")
     if args.modulus is not None:

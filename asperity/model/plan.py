@@ -92,7 +92,7 @@ class Plan:
     seconds
         Time of the decisions [s].
     scene
-        Map and material that the plan was made for.
+        Map and material that the plan was made for; None: it holds for any.
     parameters
         Constants of the model.
     among
@@ -142,8 +142,9 @@ class Plan:
 
     @property
     def whole(self) -> Plan:
-        """This plan with all heights and waves of a map on its own grid."""
-        return replace(self, above=None, resampled=None, sub_contact_law=None, among=None)
+        """This plan for all heights and waves of any map on its own grid."""
+        plain = replace(self, above=None, resampled=None, sub_contact_law=None, among=None)
+        return replace(plain, scene=None)
 
     def solved(self, hm: HeightMap) -> HeightMap:
         """The map that is solved for `hm`, the map of the plan."""

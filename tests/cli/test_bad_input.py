@@ -124,6 +124,12 @@ def test_an_unknown_option_points_to_the_help_of_its_command(command, folder, ca
     )
 
 
+@pytest.mark.parametrize("options", [["--nu", "0.2"], ["--E2", "1e9"], ["--E", "1e9"]])
+def test_the_modulus_of_all_bodies_takes_none_of_one(options, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    assert "not both" in refusal(["curve", "scan.h5", "--modulus", "1e9", *options], capsys)
+
+
 @pytest.mark.parametrize("options", [["--modulus", "1e9", "--nu", "0.2"], ["--nu", "0.2"]])
 def test_a_poisson_ratio_belongs_to_a_modulus_of_young(options, folder, capsys):
     surfaces.write(good_map(), folder / "scan.h5")
