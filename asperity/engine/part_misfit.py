@@ -213,7 +213,8 @@ def _pooled(
     The mean of a sample of a finite population, with weights w that sum to W over the sample:
     standard error s (sum w^2 (1 - W))^(1/2) / W, unbiased variance s^2 = (sum w d^2 / W) /
     (1 - sum w^2 / W^2) (Cochran 1977, Sampling techniques, ch. 2). The bounds hold `alike`^(1/2)
-    = 2 standard errors.
+    = 2 standard errors. A part that is cut out is not the part on the map: 1 - W counts as no less
+    than one of `alike` parts.
     """
     known = np.isfinite(found).all(axis=-1)
     weights = np.where(known, shares, 0.0)
@@ -222,7 +223,7 @@ def _pooled(
     scatter = np.sqrt((share * (found - mean.T) ** 2).sum(axis=0)).T
     for each in (mean, scatter):
         each[0] *= rate
-    fewer, left = _fewer(weights), np.maximum(1.0 - weights.sum(axis=0), 0.0)
+    fewer, left = _fewer(weights), np.maximum(1.0 - weights.sum(axis=0), 1.0 / FITTED.alike)
     spread = scatter[:2] / np.sqrt(np.maximum(1.0 - fewer / FITTED.alike, np.finfo(float).tiny))
     floor = np.hypot(floor, FITTED.part * mean[:2]) * _on_floor(fewer)
     return mean, spread * np.sqrt(fewer * left) + floor, known.sum(axis=0)
