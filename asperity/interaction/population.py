@@ -198,13 +198,14 @@ def reached(
             found = solve_at(last, guess, tolerance, target)
         else:
             found = solve_at(last, target, tolerance)
-        crowded = found.contact_area > CROWDED_AREA * system.nominal_area
-        if target == goal and (found.converged or crowded):
-            break
         if found.converged:
-            last, target = found.continuation, goal
-        else:
+            last = found.continuation
+        elif found.contact_area <= CROWDED_AREA * system.nominal_area:
             target = _before(last, target, loaded)
+            continue
+        if target == goal:
+            break
+        target = goal
     return found
 
 
