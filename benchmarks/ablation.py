@@ -289,7 +289,7 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, str]]:
                         f"{100 * float(one[f'{kind}_worst_without']):.1f} ({one['family']})"
                     )
                     into[one["group"]] = abs(gain), change
-        spent = [sum(float(o[f"seconds_{way}"]) for o in own) for way in ("with", "without")]
+        spent = [float(one["seconds_with"]) / float(one["seconds_without"]) for one in own]
         line = {
             "correction": name,
             "lines": str(own[0]["lines"]),
@@ -301,7 +301,7 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, str]]:
                 f"{100 * np.mean([float(o[f'{kind}_median_{way}']) for o in own]):.2f}"
                 for way in ("with", "without")
             )
-        line["time, %"] = f"{100 * (spent[0] / spent[1] - 1):+.0f}"
+        line["time, %"] = f"{100 * (np.median(spent) - 1):+.0f}"
         table.append(line)
     return table
 
