@@ -123,13 +123,7 @@ class Plan:
     among: LoadShares | None = field(default=None, repr=False, compare=False)
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
-        """Refuse a map or a material that the plan was not made for.
-
-        Raises
-        ------
-        InputError
-            If the map or the material is another.
-        """
+        """Raise `InputError` for a map or a material that the plan was not made for."""
         if self.scene is None:
             return
         planned, body = self.scene
