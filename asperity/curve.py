@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import compile_ahead, curve_parts
-from asperity.errors import InputError, cautious
+from asperity.errors import cautious
 from asperity.halfspace.load_points import checked_loads, map_facts, pressure_scale
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.interaction.population import handed_on
@@ -141,8 +141,7 @@ def contact_curve(
     >>> bool(checked.error_estimate.max() < 0.05)
     True
     """
-    if verify is not None and not callable(verify):
-        raise InputError(f"verify is {verify!r}; give asperity.bem_curve, or None for no check")
+    require_function("verify", verify)
     require_half_space(material)
     compile_ahead(*curve_parts(material.hardness), *(["bem"] if verify else []))
     asked: dict[str, Any] = {"pressures": pressures, "separations": separations}

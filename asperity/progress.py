@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from asperity.errors import InputError
+from surfaces.errors import shown
 
 __all__ = ["Progress", "bar", "reported", "require_function"]
 
@@ -17,7 +18,7 @@ Progress = bool | Callable[[Any], object] | None
 def require_function(name: str, given: object) -> None:
     """Refuse what cannot be called, before it would be; None is not to be."""
     if given is not None and not callable(given):
-        raise InputError(f"{name} is {given!r}; give a function, or leave it out")
+        raise InputError(f"{name} is {shown(given)}; give a function, or leave it out")
 
 
 @contextmanager
@@ -50,5 +51,6 @@ def reported(
         with bar(total, label, hidden=False) as advance:
             yield advance
     else:
-        require_function("progress", progress or None)
-        yield progress or None
+        asked = None if progress is False else progress
+        require_function("progress", asked)
+        yield asked

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ __all__ = [
     "FileFormatError",
     "InputError",
     "SurfaceError",
+    "as_choice",
     "as_count",
     "as_number",
     "as_numbers",
@@ -70,7 +72,7 @@ def as_number(name: str, value: Any) -> float:
     """The argument called `name` as a float. Refused are all but single real numbers, and also
     booleans: True is not 1 Pa."""
     try:
-        if isinstance(value, str | bytes | bool | np.bool_):
+        if isinstance(value, str | bytes | bool | np.bool_) or np.ndim(value):
             raise TypeError
         return float(value)
     except (TypeError, ValueError, OverflowError):
@@ -124,6 +126,13 @@ def as_count(name: str, value: Any, least: int) -> int:
     if not (least <= number <= 2**53 and number == int(number)):
         raise InputError(f"{name} is {shown(value)}; give a whole number, at least {least}")
     return int(number)
+
+
+def as_choice(name: str, value: Any, choices: Collection[str]) -> str:
+    """The argument called `name` as one of a few names."""
+    if not isinstance(value, str) or value not in choices:
+        raise InputError(f"{name} is {shown(value)}; choose one of {', '.join(choices)}")
+    return value
 
 
 def as_truth(name: str, value: Any) -> bool:
@@ -230,13 +239,13 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
 
 def checked_part(name: str, part: tuple[int, int], count: int) -> tuple[int, int]:
     """First row or column of a part of a map with so many, and one past its last."""
-    whole = np.shape(part) == (2,) and all(isinstance(n, int | np.integer) for n in part)
-    if not (whole and 0 <= part[0] < part[1] <= count):
+    ends = as_numbers(name, part, finite=False)
+    if ends.shape != (2,) or not 0 <= ends[0] < ends[1] <= count or np.any(ends % 1):
         raise SurfaceError(
-            f"{name} {part} are not inside 0 to {count}; give two whole numbers, first and one "
-            "past last"
+            f"{name} {shown(part)} are not inside 0 to {count}; give two whole numbers, first and "
+            "one past last"
         )
-    return int(part[0]), int(part[1])
+    return int(ends[0]), int(ends[1])
 
 
 def checked_span(

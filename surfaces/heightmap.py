@@ -346,5 +346,6 @@ def require_full(hm: HeightMap, what: str) -> None:
         column = int(np.argmax(np.isnan(hm.source[row])))
         raise SurfaceError(
             f"heights[{row}, {column}] is missing ({hm.missing} of {hm.source.size} points); "
-            f'{what} needs a full map: pass fill="harmonic" (--fill harmonic)'
+            f"{what} needs a full map: fill it with surfaces.prepare or surfaces.fill_missing "
+            "(--fill harmonic)"
         )

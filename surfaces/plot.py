@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from surfaces.peaks.peaks import Peaks
+from surfaces.peaks.peaks import Peaks, require_peaks
 from surfaces.peaks.profiles import Profiles
 from surfaces.statistics.bearing import BearingCurve
 from surfaces.statistics.correlation import THRESHOLD, Autocorrelation
@@ -57,6 +57,7 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = hm.plot(figure.add_subplot())
     if peaks is not None:
+        require_peaks(peaks, hm)
         _mark(axes, peaks, thinning(hm.shape), (0.0, hm.size[1], 0.0, hm.size[0]))
     return figure
 

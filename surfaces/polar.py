@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError, as_numbers
+from .errors import InputError, as_numbers, shown
 
 __all__ = ["PolarProfile", "PolynomialProfile", "PowerLawProfile", "PowerSumProfile"]
 
@@ -60,10 +60,9 @@ class PowerSumProfile:
         self, powers: Sequence[float], angular: Sequence[Any], *, corners: Sequence[float] = ()
     ) -> None:
         exponents = tuple(as_numbers("powers", powers).ravel().tolist())
-        if not exponents or len(exponents) != len(angular):
+        if not (np.iterable(angular) and 0 < len(exponents) == len(angular)):
             raise InputError(
-                f"give one angular factor per exponent, got {len(exponents)} exponents and "
-                f"{len(angular)} factors"
+                f"give one angular factor per exponent, not {shown(angular)} for {exponents}"
             )
         for k in exponents:
             if not k > 0:
@@ -144,8 +143,13 @@ class PolynomialProfile(PowerSumProfile):
     coefficients: Mapping[tuple[int, int], float]
 
     def __init__(self, coefficients: Mapping[tuple[int, int], float]) -> None:
-        if any(i < 0 or j < 0 or i + j < 1 for i, j in coefficients):
-            raise InputError("polynomial exponents must be non-negative with i + j >= 1")
+        pairs = isinstance(coefficients, Mapping) and all(np.shape(p) == (2,) for p in coefficients)
+        exponents = as_numbers("exponents", [*coefficients] if pairs else [])
+        if not exponents.size or exponents.min() < 0 or exponents.sum(axis=1).min() < 1:
+            raise InputError(
+                f"coefficients is {shown(coefficients)}; give a mapping from the exponents (i, j), "
+                "not negative with i + j >= 1"
+            )
         degrees = sorted({i + j for i, j in coefficients})
         super().__init__(degrees, [_homogeneous(coefficients, n) for n in degrees])
         object.__setattr__(self, "coefficients", dict(coefficients))

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.errors import InputError, SurfaceError
+from asperity.errors import InputError
 from asperity.halfspace.influence import influence
 from asperity.halfspace.load_points import chosen_boundary
 from asperity.halfspace.material import HalfSpace
 from surfaces.errors import as_number
-from surfaces.heightmap import HeightMap
+from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics.parallel import threads as thread_count
 
 from .certificate import Prescribed
@@ -70,11 +70,7 @@ class ContactProblem:
         boundary: str | None = None,
         share: float | None = None,
     ) -> None:
-        if hm.missing:
-            raise SurfaceError(
-                f"{hm.name or 'the map'} has {hm.missing} missing points of {hm.heights.size}; "
-                'fill them first, for example surfaces.prepare(hm, fill="harmonic")'
-            )
+        require_full(hm, "a solve by boundary elements")
         if not 1e-12 <= as_number("tolerance", tolerance) <= 0.1:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
         self.boundary = chosen_boundary(hm, boundary)
@@ -95,8 +91,6 @@ class ContactProblem:
             raise InputError("give exactly one of pressure and separation")
         name = "separation" if pressure is None else "pressure"
         given: Any = separation if pressure is None else pressure
-        if np.ndim(given):
-            raise InputError("a solution is of one load; asperity.bem_curve takes several")
         value = as_number(name, given)
         if pressure is not None:
             if not (math.isfinite(value) and value >= 0.0):

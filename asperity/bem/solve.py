@@ -11,6 +11,7 @@ from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.load_points import expected_area_fraction, require_scene
 from asperity.halfspace.material import HalfSpace
+from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 
 from .answer import answer
@@ -88,8 +89,9 @@ def bem_solve(
     warn_once(warnings)
     surface, hm = hm, hm.about_mean
     share = None
-    if isinstance(pressure, float | int) and pressure >= 0.0:
-        share = expected_area_fraction(hm, material, min(float(pressure), material.hardness))
+    if pressure is not None:
+        bounded = min(as_number("pressure", pressure), material.hardness)
+        share = expected_area_fraction(hm, material, bounded)
     problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary, share=share)
     goal = problem.prescribed(pressure, separation)
     prepared = time.perf_counter()

@@ -11,6 +11,7 @@ import numpy as np
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
 from surfaces import PolarProfile, PowerSumProfile
+from surfaces.errors import as_choice
 
 from . import batch, bodies, options, quantities, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
@@ -139,12 +140,10 @@ def _boundary_elements(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _laws(text: str | None) -> tuple[str, ...]:
-    from asperity.microcontact.laws import require_law
+    from asperity.microcontact.laws import LAWS
 
-    names = () if text is None else tuple(word.strip() for word in text.split(","))
-    for name in names:
-        require_law(name)
-    return names
+    words = () if text is None else text.split(",")
+    return tuple(as_choice("law", word.strip(), LAWS) for word in words)
 
 
 def _driven(args: argparse.Namespace, profile: Any) -> tuple[str, list[float]]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from asperity.errors import InputError
 from asperity.progress import bar
+from surfaces.files.arrays import heading
 
 from . import batch, options, quantities, targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
@@ -237,8 +238,8 @@ def _sets(given: Any, name: str, file: Path) -> list[dict[str, Any]]:
 
 
 def _table(file: Path) -> list[dict[str, Any]] | None:
-    """Options of each row of a table; None if the file is none."""
-    if file.suffix != ".csv" or not file.is_file():
+    """Options of each row of a table; None if the file is none, such as a map of numbers."""
+    if file.suffix != ".csv" or not file.is_file() or heading(file) is None:
         return None
     with open(file, newline="", encoding="utf-8-sig", errors="replace") as text:
         head = text.readline()
@@ -246,7 +247,7 @@ def _table(file: Path) -> list[dict[str, Any]] | None:
         rows = csv.DictReader(text, delimiter=max(",;\t", key=head.count))
         names = [name for name in rows.fieldnames or () if name]
         if "file" not in names:
-            return None
+            raise InputError(f'{file}: a table without a column "file"; name that of the maps so')
         if len(set(names)) < len(names):
             raise InputError(f"{file}: two columns have one name; give each option one column")
         cells = []

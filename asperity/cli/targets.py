@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 PICTURES = ("plot", "fans")
 """Options of pictures, whose format follows from the suffix."""
 
-SUFFIXES = (".csv", ".h5", ".html", ".npz", ".txt", ".vti", ".xlsx")
-"""Suffixes of what commands write but for pictures, and of what may be taken for a table: none is
-the name of another."""
+SUFFIXES = tuple(".csv .h5 .html .jpg .npz .pdf .png .svg .txt .vti .xlsx".split())
+"""Suffixes of what commands write, and of what may be taken for a table: none is the name of
+another."""
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,11 @@ from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
-from asperity.errors import ConvergenceError, InputError, cautious, warn_once
+from asperity.errors import ConvergenceError, cautious, warn_once
 from asperity.halfspace.load_points import checked_loads, default_pressures, map_facts
 from asperity.halfspace.material import HalfSpace
 from asperity.model.plan import Plan, make_plan, require_plan
-from asperity.progress import Progress, reported
+from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import provenance
 from asperity.warmup import small_map
@@ -100,8 +100,7 @@ def compare(
     kind, values = checked_loads(hm, material, pressures, separations)
     if plan is not None:
         require_plan(plan)
-    if reference is not None and not callable(reference):
-        raise InputError(f"reference is {reference!r}; give what makes the curve, or None")
+    require_function("reference", reference)
     loads: dict[str, Any] = {f"{kind}s": values}
     chosen: dict[str, Any] = {
         "law": law,

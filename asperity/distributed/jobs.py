@@ -22,6 +22,7 @@ from asperity import __version__
 from asperity.compilation import CURVE
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
+from surfaces.errors import as_choice
 from surfaces.files.atomic import make_folder
 from surfaces.heightmap import HeightMap
 
@@ -212,8 +213,7 @@ def method(name: str) -> Callable[..., Any]:
 
 def _require_settings(settings: Mapping[str, Any]) -> None:
     """Refuse an unknown method, and what it does not take."""
-    if settings["method"] not in tuple(METHODS):
-        raise InputError(f"method is {settings['method']!r}; give one of {', '.join(METHODS)}")
+    as_choice("method", settings["method"], METHODS)
     if not isinstance(settings.get("prepare", {}), Mapping):
         raise InputError("prepare holds the keywords of surfaces.prepare")
     takes = inspect.signature(method(settings["method"])).parameters.keys() - OWN

@@ -26,7 +26,7 @@ from asperity.trust.verified import (
     anchors_suffice,
     verified,
 )
-from surfaces.errors import as_number
+from surfaces.errors import as_choice, as_number
 
 from .cost import can_anchor, cheapest, forecast
 from .parts import can_sample, sampled
@@ -140,8 +140,7 @@ def solve(
     compile_ahead(*curve_parts(material.hardness), "bem")
     begun = time.perf_counter()
     asked = _accuracy(accuracy, area_accuracy)
-    if engine not in ENGINES:
-        raise InputError(f"engine is {engine!r}; give one of {', '.join(ENGINES)}")
+    as_choice("engine", engine, ENGINES)
     if not (isinstance(verify, bool) or (isinstance(verify, str) and verify == "auto")):
         raise InputError(f"verify is {verify!r}; give 'auto' or False")
     if engine in ("anchored", "sampled") and not verify:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -15,6 +15,7 @@ from asperity.model.decomposition import Decomposition
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
+from surfaces.errors import as_numbers
 from surfaces.heightmap import HeightMap
 
 __all__ = ["hardness_sweep"]
@@ -67,10 +68,9 @@ def hardness_sweep(
     True
     """
     require_half_space(material)
-    if not isinstance(hardnesses, Iterable):
-        raise InputError(f"hardnesses is {hardnesses!r}; give several, in a list")
+    given = as_numbers("hardnesses", hardnesses, finite=False).ravel().tolist()
     elastic = material.modulus, material.m
-    bodies = [HalfSpace.from_modulus(*elastic, hardness=hardness) for hardness in hardnesses]
+    bodies = [HalfSpace.from_modulus(*elastic, hardness=hardness) for hardness in given]
     if not bodies:
         raise InputError("give at least one hardness")
     loads: dict[str, Any] = {"pressures": pressures, "separations": separations}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
-from surfaces.errors import as_numbers
+from surfaces.errors import as_choice, as_numbers
 from surfaces.heightmap import HeightMap, require_map
 
 from .material import HalfSpace, require_half_space
@@ -51,9 +51,7 @@ def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
 
 def known_boundary(name: str) -> Boundary:
     """The name, if it is that of a boundary; else refused."""
-    if name not in get_args(Boundary):
-        raise InputError(f'boundary is {name!r}; choose "periodic" or "free"')
-    return cast(Boundary, name)
+    return cast(Boundary, as_choice("boundary", name, get_args(Boundary)))
 
 
 def require_scene(hm: object, material: object) -> None:

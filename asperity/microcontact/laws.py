@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.errors import Flag, InputError
+from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
+from surfaces.errors import as_choice
 
 from . import hertz
 from .capped_table import capped_table
@@ -22,7 +23,7 @@ from .ray_laws import ritz_forces, tabulate_expansion, tabulate_ritz
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
 
-__all__ = ["LAWS", "elastic_table", "require_law", "tabulate"]
+__all__ = ["LAWS", "elastic_table", "tabulate"]
 
 Array = NDArray[np.float64]
 
@@ -126,17 +127,10 @@ LAWS = tuple(TABULATORS)
 """Names of the laws."""
 
 
-def require_law(law: str) -> None:
-    """Refuse a name that is not that of a law."""
-    if not isinstance(law, str) or law not in TABULATORS:
-        raise InputError(f"no law is called {law!r}; the laws are {', '.join(TABULATORS)}")
-
-
 def elastic_table(profiles: Profiles, material: HalfSpace, *, law: str) -> LawTable:
     """`tabulate` without the hardness. If the half-space has one, the table holds the bearing areas
     from which `capped_table` makes the laws with the hardness."""
-    require_law(law)
-    table = TABULATORS[law](profiles, material)
+    table = TABULATORS[as_choice("law", law, LAWS)](profiles, material)
     if material.hardness < math.inf:
         table.bearing = profiles.bearing_areas(table.approach())
     return table

@@ -22,12 +22,13 @@ from asperity.halfspace.load_points import (
     require_scene,
     slope_scale,
 )
-from asperity.microcontact.laws import require_law
+from asperity.microcontact.laws import LAWS
 from asperity.multiscale.wave_split import chosen_split, solved_grid
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
 from surfaces.checks import constant, lay, seam_warning
-from surfaces.heightmap import HeightMap
+from surfaces.errors import as_choice, as_truth
+from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import BLOCK_BYTES
@@ -189,9 +190,8 @@ def make_plan(
     """
     compile_ahead("summits")
     start = time.perf_counter()
-    if scales not in SCALES:
-        raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")
-    require_law(law)
+    as_choice("scales", scales, SCALES)
+    as_choice("law", law, LAWS)
     require_scene(hm, material)
     # results need the digest at the end; another thread computes it now, as a solve leaves one idle
     parallel.aside(functools.partial(getattr, hm, "digest"))
@@ -207,10 +207,8 @@ def make_plan(
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
     reasons = [f"boundary: {edge} ({source})", f"material: {body}"]
     reasons.append(hardness_needed(hm, material)[0])
-    if not isinstance(interaction, bool | np.bool_):
-        raise InputError(f"interaction is {interaction!r}; it must be True or False")
     coupled, why = False, "interaction: off, as asked (the classical independent sum)"
-    if interaction:
+    if as_truth("interaction", interaction):
         coupled, why = interaction_needed(hm, material, kind, values, parameters)
     reasons.append(why)
     cell = hm if edge == "periodic" or not hm.periodic else hm.replace(periodic=False)
@@ -263,11 +261,7 @@ def _require_usable(hm: HeightMap, material: HalfSpace) -> None:
             f"m = {material.m:g} is so near -1 that a contact displaces all others like itself, "
             "which separate contacts do not describe; use boundary elements"
         )
-    if hm.missing:
-        raise SurfaceError(
-            f"the map has {hm.missing} missing points of {math.prod(hm.shape)}; "
-            'fill them with surfaces.prepare(hm, fill="harmonic")'
-        )
+    require_full(hm, "the model")
     if constant(hm):
         raise SurfaceError("the map is constant: a flat map has no peaks to touch")
 

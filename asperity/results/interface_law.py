@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import FileFormatError, InputError
-from surfaces.errors import as_numbers, as_path
+from surfaces.errors import as_choice, as_numbers, as_path
 from surfaces.files.atomic import replacing
 
 from .interpolation import knots_of, read_off
@@ -186,13 +186,9 @@ class InterfaceLaw:
         InputError
             If a choice is unknown, the band is not known, or the file cannot be written.
         """
-        for name, value, known in (
-            ("format", format, FORMATS),
-            ("units", units, tuple(UNITS)),
-            ("band", band, BANDS),
-        ):
-            if value not in known:
-                raise InputError(f"{name} is {value!r}; it must be one of {', '.join(known)}")
+        as_choice("format", format, FORMATS)
+        as_choice("units", units, UNITS)
+        as_choice("band", band, BANDS)
         most = _CALCULIX_ROWS if format == "calculix" else _ROWS
         count = len(self.pressure)
         rows = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))

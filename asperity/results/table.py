@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from asperity import __version__
 from asperity.errors import InputError
 from surfaces.drawing import image, logarithmic
-from surfaces.errors import as_numbers, shown
+from surfaces.errors import as_choice, as_numbers, as_truth, shown
 
 from .interpolation import POINT_FIELDS, contact_pressure
 from .storage import flat_columns, write_csv
@@ -170,7 +170,7 @@ class CurveTable:
             "reason": np.array(self.reasons, dtype=object),
         }
         found |= {name: part for name, part in self.extra.items() if name not in found}
-        if dimensionless:
+        if as_truth("dimensionless", dimensionless):
             for name, scale in self._scales().items():
                 found[f"{name}_dimensionless"] = found[name] / scale
         return dict(flat_columns(found))
@@ -263,10 +263,9 @@ class CurveTable:
         'separation [µm]'
         """
         held = self.columns()
-        for name in (x, y):
-            if name not in held or held[name].dtype.kind not in "biuf":
-                numbers = [key for key, part in held.items() if part.dtype.kind in "iuf"]
-                raise InputError(f"there is no column {name!r}; there are {', '.join(numbers)}")
+        numbers = [name for name, part in held.items() if part.dtype.kind in "biuf"]
+        as_choice("x", x, numbers)
+        as_choice("y", y, numbers)
         if ax is None:
             from matplotlib import pyplot
 

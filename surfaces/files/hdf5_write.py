@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from surfaces.errors import (
     InputError,
     SurfaceError,
+    as_choice,
     as_numbers,
     as_path,
     as_text,
@@ -78,8 +79,7 @@ def write_blocks(
     ...     print(surfaces.read(f"{folder}/scan.h5").shape)
     (32, 48)
     """
-    if dtype not in ("float64", "float32"):
-        raise InputError(f"dtype is {dtype!r}; heights are stored as float64 or float32")
+    as_choice("dtype", dtype, ("float64", "float32"))
     shape = checked_shape(shape)
     path = as_path(path)
     if path.suffix.lower() in NOT_HDF5:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.checks import HIGHEST_SHARE
-from surfaces.heightmap import HeightMap
+from surfaces.errors import InputError, SurfaceError
+from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.stored_array import SAMPLED_LINES, windows
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "expected_peaks",
     "flat_share",
     "flat_tops",
+    "require_peaks",
 ]
 
 
@@ -168,6 +170,18 @@ def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
         if (line is not lines[1]) or step != 1:
             peak &= lines[1][:, 1:-1] >= line[:, step : nx - 2 + step]
     return int(peak.mean() * ny * nx)
+
+
+def require_peaks(peaks: object, hm: HeightMap) -> None:
+    """Refuse what are no peaks, or are those of another map."""
+    require_map(hm)
+    if not isinstance(peaks, Peaks):
+        raise InputError(f"the peaks of segment are needed, not {type(peaks).__name__}")
+    if peaks.labels.shape != hm.shape:
+        raise SurfaceError(
+            f"the peaks belong to a map of shape {peaks.labels.shape}, not {hm.shape}; "
+            "segment this map first"
+        )
 
 
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.errors import InputError, SurfaceError, as_count
-from surfaces.heightmap import HeightMap, require_map
+from surfaces.errors import SurfaceError, as_count
+from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel, splines
 from surfaces.numerics.stored_array import mapped, most_together
 
 from . import _climb
-from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops
+from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops, require_peaks
 from .profiles import PART, Profiles, SampledRays
 
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
@@ -111,14 +111,7 @@ class Summits(SummitArrays):
 def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     """Find the summits of peaks: climb from each pixel to a maximum of the surface through the
     points of the map. Raises the errors of `fit_profiles`."""
-    require_map(hm)
-    if not isinstance(peaks, Peaks):
-        raise InputError(f"the peaks of segment are needed, not {type(peaks).__name__}")
-    if peaks.labels.shape != hm.shape:
-        raise SurfaceError(
-            f"the peaks belong to a map of shape {peaks.labels.shape}, not {hm.shape}; "
-            "segment this map first"
-        )
+    require_peaks(peaks, hm)
     n = len(peaks)
     depth = _depths(peaks)
     if not (depth > 0.0).all():  # a peak at the lowest height flooded has no depth

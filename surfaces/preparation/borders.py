@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.errors import SurfaceError, as_number
+from surfaces.errors import SurfaceError, as_choice, as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics.stored_array import Source, windows
 
@@ -65,8 +65,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     >>> surfaces.make_periodic(part, "mirror")
     <HeightMap 32 x 64, pixel 1e-06 x 1e-06 m, periodic>
     """
-    if how not in PERIODIC:
-        raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")
+    as_choice("periodic", how, PERIODIC)
     require_full(hm, "a periodic map")
     made, changed = hm, 0.0
     step: dict[str, object] = {"step": "periodic", "how": how, "rms_before": hm.rms_height}

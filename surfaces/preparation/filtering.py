@@ -12,7 +12,7 @@ from scipy import fft
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
-from surfaces.errors import SurfaceError, as_number, checked_part
+from surfaces.errors import SurfaceError, as_choice, as_number, checked_part
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import Transform, along_both
@@ -79,8 +79,7 @@ def bandpass(
     True
     """
     require_full(hm, "a band-pass")
-    if filter not in FILTERS:
-        raise SurfaceError(f"filter is {filter!r}; it must be one of {', '.join(FILTERS)}")
+    as_choice("filter", filter, FILTERS)
     lower = 0.0 if shortest is None else as_number("shortest", shortest)
     upper = np.inf if longest is None else as_number("longest", longest)
     if not 0.0 <= lower < upper:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, as_choice
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.stored_array import Source, each_block, windows
 
@@ -79,8 +79,7 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
     True
     """
     require_map(hm)
-    if form not in FORMS:
-        raise SurfaceError(f"level is {form!r}; it must be None or one of {', '.join(FORMS)}")
+    as_choice("level", form, FORMS)
     if hm.periodic:
         form = "mean"
     terms = _TERMS[form]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces.errors import SurfaceError, as_number
+from surfaces.errors import SurfaceError, as_choice, as_number
 from surfaces.heightmap import HeightMap, require_map
 
 from . import borders, filling, filtering, levelling
@@ -68,8 +68,8 @@ def prepare(
     (True, ['self_affine', 'crop', 'level', 'periodic'])
     """
     require_map(hm)
-    if fill not in (None, "harmonic"):
-        raise SurfaceError(f"fill is {fill!r}; it must be None or harmonic")
+    if fill is not None:
+        as_choice("fill", fill, ("harmonic",))
     if not 0.0 <= as_number("fill_limit", fill_limit) < 1.0:
         raise SurfaceError(f"fill_limit is {fill_limit}; it is a fraction from 0 to below 1")
     if bandpass is not None and np.shape(np.asarray(bandpass, dtype=object)) != (2,):
@@ -79,7 +79,7 @@ def prepare(
             f"fill_limit is {fill_limit} and nothing is filled: leave it out, or pass "
             'fill="harmonic" (--fill harmonic)'
         )
-    if bandpass is None and filter != "sharp":
+    if bandpass is None and as_choice("filter", filter, filtering.FILTERS) != "sharp":
         raise SurfaceError(
             f"filter is {filter!r} and nothing is filtered: leave it out, or pass bandpass="
             "(shortest, longest) (--bandpass SHORT LONG)"

@@ -339,5 +339,5 @@ def test_errors_of_other_laws_are_not_estimated(rough):
 def test_a_switch_that_is_no_switch_is_refused(rough):
     with pytest.raises(InputError, match="True or False"):
         asperity.contact_curve(rough, STEEL, interaction="off")
-    with pytest.raises(InputError, match="no law is called"):
+    with pytest.raises(InputError, match="choose one of auto"):
         asperity.contact_curve(rough, STEEL, law=["hertz"])

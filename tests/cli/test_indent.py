@@ -158,7 +158,7 @@ def test_the_highest_peak_is_that_of_the_map_without_its_tilt(tmp_path):
         (["indent", "--shape", "cone", "--tolerance", "1e-3"], "add --bem"),
         (["indent", "--shape", "cone", "--approach", "1e300"], "below 1e40"),
         (["indent", "--shape", "cone", "--plot", "a.bogus"], "cannot be written as .bogus"),
-        (["indent", "--shape", "cone", "--law", "cube"], "no law is called 'cube'"),
+        (["indent", "--shape", "cone", "--law", "cube"], "law is 'cube'; choose one of auto"),
         (["indent", "--shape", "cone", "--approach", "-1"], "must be positive"),
         (["indent", "--shape", "cone", "--load", "0"], "must be positive"),
         (["indent", "--shape", "cone", "--plot", "/nowhere/a.png"], "does not exist"),

@@ -98,7 +98,7 @@ def test_negative_approach_and_unusable_profiles_carry_nothing():
 
 
 def test_a_law_that_does_not_exist_is_refused():
-    with pytest.raises(InputError, match="no law is called 'cube'"):
+    with pytest.raises(InputError, match="law is 'cube'; choose one of auto"):
         tabulate(sampled([paraboloid(1.0)], [1.0]), HalfSpace.from_modulus(1.0), law="cube")
 
 

@@ -69,11 +69,64 @@ def drawn(**changed):
             for value in ("5 um", True, [0.1])
         ),
         lambda: surfaces.ground((32, 48), (1.0, 1.5), rms_slope=None, cutoff=0.1),
+        lambda: surfaces.turned((32, 48), (1.0, 1.5), feed=0.1, nose_radius=0.5, hurst=2.0),
+        lambda: surfaces.PolynomialProfile({"a": 1.0}),
+        lambda: surfaces.PolynomialProfile({("a", "b"): 1.0}),
+        lambda: surfaces.PolynomialProfile({(0.0, 0.0): 1.0}),
+        lambda: surfaces.PolynomialProfile(None),
+        lambda: surfaces.PowerSumProfile([1.0], 3),
+        lambda: surfaces.plot_map(HM, 3),
+        lambda: surfaces.crop(HM, [[1], [1, 2]], (0, 16)),
+        lambda: surfaces.crop(HM, None, (0, 16)),
+        lambda: surfaces.crop(HM, (0, 8.5), (0, 16)),
     ],
 )
 def test_a_wrong_type_is_one_sentence(call):
     with pytest.raises(asperity.InputError, match=r"^[^\n]+$"):
         call()
+
+
+NAMES = [
+    ("law", lambda x: asperity.contact_curve(HM, STEEL, law=x)),
+    ("law", lambda x: asperity.indent(BALL, STEEL, 1e-6, law=x)),
+    ("scales", lambda x: asperity.make_plan(HM, STEEL, scales=x)),
+    ("boundary", lambda x: asperity.bem_curve(HM, STEEL, boundary="none" if x is None else x)),
+    ("engine", lambda x: asperity.solve(HM, STEEL, engine=x)),
+    ("method", lambda x: asperity.sweep(HM, STEEL, {"method": x}, folder="unused")),
+    ("format", lambda x: asperity.InterfaceLaw.of(CURVE).write("unused", x)),
+    ("level", lambda x: surfaces.level(HM, x)),
+    ("fill", lambda x: surfaces.prepare(HM, fill="none" if x is None else x)),
+    ("filter", lambda x: surfaces.prepare(HM, filter=x)),
+    ("filter", lambda x: surfaces.bandpass(HM, 1e-5, filter=x)),
+    ("periodic", lambda x: surfaces.make_periodic(HM, x)),
+    ("dtype", lambda x: surfaces.write(HM, "unused.h5", dtype=x)),
+    ("x", lambda x: CURVE.plot(x)),
+]
+
+
+@pytest.mark.parametrize(("name", "call"), NAMES, ids=[name for name, _ in NAMES])
+@pytest.mark.parametrize("wrong", [np.array(["a", "b"]), ["auto"], {}, None, 3, "auto "], ids=repr)
+def test_one_of_a_few_names(name, call, wrong):
+    with pytest.raises(asperity.InputError, match=rf"^{name} is [^\n]+; choose one of [^\n]+$"):
+        call(wrong)
+
+
+def test_progress_is_a_switch_or_a_function():
+    with pytest.raises(asperity.InputError, match="progress is array.*; give a function"):
+        asperity.contact_curve(HM, STEEL, pressures=[1e7], progress=np.ones(2))
+
+
+def test_a_hardness_alone_is_one():
+    (one,) = asperity.hardness_sweep(HM, STEEL, np.array(1e9), pressures=[1e7])
+    (same,) = asperity.hardness_sweep(HM, STEEL, [1e9], pressures=[1e7])
+    assert one.load == same.load
+
+
+def test_a_map_with_gaps_says_what_fills_it():
+    heights = HM.heights.copy()
+    heights[3, 4] = np.nan
+    with pytest.raises(asperity.InputError, match=r"with surfaces\.prepare or surfaces\.fill_miss"):
+        surfaces.power_spectrum(HM.replace(heights=heights))
 
 
 CURVE = asperity.contact_curve(HM, STEEL, pressures=[1e7, 1e8])

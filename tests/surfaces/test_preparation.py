@@ -8,7 +8,7 @@ from hypothesis import settings
 from samples import SPACING, form, noise
 
 import surfaces
-from surfaces.errors import SurfaceError
+from surfaces.errors import InputError, SurfaceError
 
 STABLE = settings(max_examples=20, deadline=None, derandomize=True)
 
@@ -203,7 +203,7 @@ def test_nothing_asked_nothing_done() -> None:
     ],
 )
 def test_unknown_options(options: dict[str, object], message: str) -> None:
-    with pytest.raises(SurfaceError, match=message):
+    with pytest.raises(InputError, match=message):
         surfaces.prepare(noise(), **options)
 
 

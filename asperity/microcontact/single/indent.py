@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
-from asperity.microcontact.laws import require_law
-from surfaces.errors import as_sizes
+from surfaces.errors import as_choice, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import circle, ellipse, hertz, ritz
@@ -129,9 +128,7 @@ def indent(
     """
     _require_profile(profile)
     require_half_space(material)
-    require_law(law)
-    if law not in SOLVERS:
-        raise ModelRangeError(f"the law {law!r} is one of batches of summits alone")
+    as_choice("law", law, SOLVERS)
     warn_once(modulus_warning(material))
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")

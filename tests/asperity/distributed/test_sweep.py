@@ -252,7 +252,7 @@ def test_maps_in_memory_loads_and_preparation(here, tmp_path):
         ({"folder": __file__, "surfaces": MAKE(seed=1)}, "cannot be made"),
         ({"force": "no"}, "force is 'no'; it must be True or False"),
         ({"workers": 2.5}, "whole number"),
-        ({"settings": {"method": "magic"}}, "method is 'magic'; give one of curve, bem, solve"),
+        ({"settings": {"method": "magic"}}, "method is 'magic'; choose one of curve, bem, solve"),
         ({"workers": 0}, "the number of workers is 0"),
         ({"threads": 0}, "the number of threads is 0"),
     ],

@@ -272,9 +272,14 @@ def test_a_figure_without_axes_has_its_own_and_no_band_if_none_is_wanted(curve):
     ax = curve.plot(band=False)
     assert not ax.collections and ax.get_xscale() == ax.get_yscale() == "log"
     pyplot.close(ax.figure)
-    for name in ("nothing", "reason"):
-        with pytest.raises(InputError, match="there is no column"):
+    for name in ("nothing", "reason", ["load"]):
+        with pytest.raises(InputError, match=r"y is .*; choose one of .*load"):
             curve.plot(y=name)
+
+
+def test_a_word_is_no_switch(curve):
+    with pytest.raises(InputError, match="dimensionless is 'no'; it must be True or False"):
+        curve.columns(dimensionless="no")
 
 
 def test_a_notebook_shows_table_figure_and_reason_escaped(curve):
