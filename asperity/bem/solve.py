@@ -90,7 +90,7 @@ def bem_solve(
     surface, hm = hm, hm.about_mean
     share = None
     if pressure is not None:
-        bounded = min(as_number("pressure", pressure), material.hardness)
+        bounded = min(material.hardness, as_number("pressure", pressure))  # the hardness if NaN
         share = expected_area_fraction(hm, material, bounded)
     problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary, share=share)
     goal = problem.prescribed(pressure, separation)

@@ -174,6 +174,7 @@ def test_a_table_of_a_spreadsheet_is_understood(here, maps, tmp_path, monkeypatc
         ("file,pressure\na.h5,1MPa\na.h5,1MPa,9MPa\n", "line 3 has a cell without a column"),
         ("file,pressure,\na.h5,1MPa,9MPa\n", "line 2 has a cell without a column"),
         ("file,E,E\na.h5,1GPa,2GPa\n", "two columns have one name"),
+        ("File,E\na.h5,1GPa\n", 'a table without a column "file"'),
     ],
 )
 def test_no_cell_of_a_table_is_silently_left_out(text, match, tmp_path, monkeypatch, capsys):
