@@ -54,7 +54,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
 
     Raises
     ------
-    SurfaceError
+    InputError
         If points are missing, `how` is unknown, or the strip is wider than half the map.
 
     Examples

@@ -53,7 +53,7 @@ def bandpass(
 
     Raises
     ------
-    SurfaceError
+    InputError
         If points are missing, the filter is unknown, the limits are crossed, or no wave of the map
         lies between those of a sharp filter.
 

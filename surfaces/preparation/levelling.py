@@ -54,7 +54,7 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
 
     Raises
     ------
-    SurfaceError
+    InputError
         If the form is unknown, or too few points are present to fit it.
 
     Notes

@@ -55,7 +55,7 @@ def prepare(
 
     Raises
     ------
-    SurfaceError
+    InputError
         If an option is unknown or belongs to one that is not given, or too many points are missing.
 
     Examples

@@ -112,7 +112,7 @@ def test_one_of_a_few_names(name, call, wrong):
 
 
 def test_progress_is_a_switch_or_a_function():
-    with pytest.raises(asperity.InputError, match="progress is array.*; give a function"):
+    with pytest.raises(asperity.InputError, match=r"progress is array.*; give a function"):
         asperity.contact_curve(HM, STEEL, pressures=[1e7], progress=np.ones(2))
 
 
@@ -125,7 +125,7 @@ def test_a_hardness_alone_is_one():
 def test_a_map_with_gaps_says_what_fills_it():
     heights = HM.heights.copy()
     heights[3, 4] = np.nan
-    with pytest.raises(asperity.InputError, match=r"with surfaces\.prepare or surfaces\.fill_miss"):
+    with pytest.raises(asperity.InputError, match=r"use surfaces\.fill_missing or prepare"):
         surfaces.power_spectrum(HM.replace(heights=heights))
 
 

@@ -246,7 +246,7 @@ def test_maps_in_memory_loads_and_preparation(here, tmp_path):
         ({"surfaces": lambda: None}, "cannot be told from another"),
         ({"settings": {"speed": 1.0}}, "speed is no setting of the method curve; it takes"),
         ({"settings": 3.0}, "settings are keywords of a method, not float"),
-        ({"settings": {"method": ["bem"]}}, "give one of curve, bem, solve"),
+        ({"settings": {"method": ["bem"]}}, "choose one of curve, bem, solve"),
         ({"settings": {"prepare": 3}}, "the keywords of surfaces.prepare"),
         ({"folder": None}, "the path of a file"),
         ({"folder": __file__, "surfaces": MAKE(seed=1)}, "cannot be made"),

@@ -116,7 +116,7 @@ def test_what_does_not_fit_into_the_memory_is_refused(rough, monkeypatch):
 def test_maps_that_no_model_can_use(rough):
     holed = rough.heights.copy()
     holed[3, 5] = np.nan
-    with pytest.raises(SurfaceError, match=r"\(1 of 12288 points\).*fill it"):
+    with pytest.raises(SurfaceError, match=r"\(1 of 12288 points\).*fill"):
         make_plan(rough.replace(heights=holed), STEEL)
     with pytest.raises(SurfaceError, match="constant"):
         make_plan(rough.replace(heights=np.ones((4, 5))), STEEL)
