@@ -88,7 +88,7 @@ def test_the_bound_holds_the_mean_over_all_parts(solved, least):
 
 
 def test_two_parts_that_carry_all_of_the_load_do_not_know_the_whole():
-    """They were cut out: with misfits 0.17 apart the whole was 0.13 from their mean, 0.07 stated."""
+    """They were cut out: misfits 0.17 apart, the whole 0.13 from their mean, 0.07 stated."""
     shares, found = np.zeros((16, 1)), np.full((16, 1, 4), np.nan)
     shares[:2, 0], found[:2, 0] = (0.61, 0.39), np.array([[0.05], [0.22]])
     floor = np.array(part_misfit.FITTED.floor)[:, None]
