@@ -151,10 +151,9 @@ class TiltedBasins:
     pressed
         Least share [-] of the contact area of a yielded contact that is pressed. (25 %: area 0.6
         %.)
-    probe, confirmed
-        Number of yielded contacts in the first group that is pressed, twice as many in each next
-        one, until the change of the area of a group is below the part `confirmed` [-] of it (four
-        measured maps). (25 %: area 3.5 and 4.1 %, rms 0.07 %.)
+    confirmed
+        Part [-] of the area of the pressed contacts at which its change counts fully; below it, in
+        proportion. Nothing is pressed where the area is larger than load over hardness by less.
     """
 
     shift: tuple[float, float] = (0.25, 0.35)
@@ -162,7 +161,6 @@ class TiltedBasins:
     most: float = 0.95
     passed: float = 0.2
     pressed: float = 0.003
-    probe: int = 16
     confirmed: float = 0.05
 
 

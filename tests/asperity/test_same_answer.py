@@ -287,3 +287,27 @@ def test_a_free_map_with_contacts_at_its_border_answers_as_transposed(seed):
     curve, other = (asperity.contact_curve(h, BODY, pressures=loads) for h in (hm, turned))
     assert curve.extra["at_border"].max() > 0.03
     assert differences(curve, other)[0] < 1e-3
+
+
+def test_yielded_contacts_of_a_load_and_of_its_separation():
+    """Sixteen of the contacts decided whether the areas of all were those of their basins pressed
+    alone: 3.7 % of area, a third of the stated error, hung on differences of 0.1 % in load."""
+    hm = surfaces.self_affine(
+        (128, 128),
+        (128.0, 89.6),
+        hurst=0.3534742659818867,
+        rms_slope=0.1,
+        rolloff=15.00175426168465,
+        cutoff=7.500877130842325,
+        anisotropy=3.0,
+        angle=0.44101463315871603,
+        seed=66,
+    )
+    scale = pressure_scale(hm, BODY)
+    hard = asperity.HalfSpace.from_modulus(1.0, hardness=0.3 * scale)
+    curve = asperity.contact_curve(hm, hard, pressures=np.geomspace(4e-3, 0.12, 4) * scale)
+    again = asperity.contact_curve(hm, hard, separations=curve.separation)
+    per_load = (again.contact_area / again.load) / (curve.contact_area / curve.load)
+    stated = curve.extra["area_error_estimate"]
+    assert curve.converged.all() and again.converged.all()
+    assert (np.abs(np.log(per_load)) < 0.1 * stated).all()
