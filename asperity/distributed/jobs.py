@@ -95,10 +95,7 @@ class Jobs:
     def job(self, surface: Surface, material: HalfSpace, settings: Mapping[str, Any]) -> Job:
         """One job; refused if the material or a setting is none."""
         require_half_space(material)
-        if not isinstance(settings, Mapping):
-            raise InputError(f"settings are keywords of a method, not {type(settings).__name__}")
-        chosen = {"method": next(iter(METHODS)), **settings}
-        _require_settings(chosen)
+        chosen = _chosen(settings)
         told = [self._plain(surface.load), asdict(material), self._plain(chosen, files=False)]
         text = json.dumps([*told, __version__], sort_keys=True)
         return Job(surface, material, chosen, hashlib.sha256(text.encode()).hexdigest()[:16])
@@ -108,7 +105,8 @@ class Jobs:
         if materials is None:
             return list(self._of_table(given, settings))
         bodies = [_body(one) for one in _several(materials, HalfSpace, Mapping)]
-        choices = _several({} if settings is None else settings, Mapping)
+        # all are checked before a map is written
+        choices = [_chosen(one) for one in _several({} if settings is None else settings, Mapping)]
         return [
             self.job(surface, body, choice)
             for surface in self.surfaces(given)
@@ -211,8 +209,11 @@ def method(name: str) -> Callable[..., Any]:
     return contact_curve
 
 
-def _require_settings(settings: Mapping[str, Any]) -> None:
-    """Refuse an unknown method, and what it does not take."""
+def _chosen(given: Any) -> dict[str, Any]:
+    """Settings with their method; refused if it is unknown or does not take them."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"settings are keywords of a method, not {type(given).__name__}")
+    settings = {"method": next(iter(METHODS)), **given}
     as_choice("method", settings["method"], METHODS)
     if not isinstance(settings.get("prepare", {}), Mapping):
         raise InputError("prepare holds the keywords of surfaces.prepare")
@@ -224,6 +225,7 @@ def _require_settings(settings: Mapping[str, Any]) -> None:
                 f"{name} is no setting of the method {settings['method']}; it takes "
                 f"{', '.join(sorted(known))}"
             )
+    return settings
 
 
 def _body(given: Any) -> HalfSpace:

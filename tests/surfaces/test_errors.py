@@ -106,9 +106,11 @@ NAMES = [
 
 @pytest.mark.parametrize(("name", "call"), NAMES, ids=[name for name, _ in NAMES])
 @pytest.mark.parametrize("wrong", [np.array(["a", "b"]), ["auto"], {}, None, 3, "auto "], ids=repr)
-def test_one_of_a_few_names(name, call, wrong):
+def test_one_of_a_few_names(name, call, wrong, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(asperity.InputError, match=rf"^{name} is [^\n]+; choose one of [^\n]+$"):
         call(wrong)
+    assert not [*tmp_path.iterdir()]
 
 
 def test_progress_is_a_switch_or_a_function():
