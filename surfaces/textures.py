@@ -187,8 +187,7 @@ def turned(
     Raises
     ------
     InputError
-        If the feed is not positive, the nose too sharp for it, or the roughness negative or none
-        that `cutoff`, `hurst` or `seed` would describe.
+        If the feed is not positive, the nose too sharp for it, or the roughness negative.
 
     Examples
     --------
@@ -204,11 +203,6 @@ def turned(
         )
     if not roughness >= 0.0:
         raise InputError(f"roughness is {roughness}; it must be a height of at least 0 m")
-    if roughness == 0.0 and (cutoff, hurst, seed) != (None, 0.8, 0):
-        raise InputError(
-            "cutoff, hurst and seed are those of the roughness: leave them out, or pass roughness= "
-            "(--roughness)"
-        )
     count = max(1, round(size[0] / feed))
     width = size[0] / count
     if width > 2.0 * nose_radius:

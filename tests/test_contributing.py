@@ -49,7 +49,7 @@ def test_a_law_of_the_page_gives_a_curve(monkeypatch):
         )
         assert sphere > 0.0
         assert (abs(sphere / hertz - 1.0) < 1e-3) == equal
-    with pytest.raises(asperity.ModelRangeError, match="'sphere'"):
+    with pytest.raises(asperity.InputError, match="'sphere'"):
         asperity.indent(PowerLawProfile(2.0, 1.0), BODY, 0.01, law="sphere")
 
 

@@ -130,7 +130,7 @@ LAWS = tuple(TABULATORS)
 def elastic_table(profiles: Profiles, material: HalfSpace, *, law: str) -> LawTable:
     """`tabulate` without the hardness. If the half-space has one, the table holds the bearing areas
     from which `capped_table` makes the laws with the hardness."""
-    table = TABULATORS[as_choice("law", law, LAWS)](profiles, material)
+    table = TABULATORS[as_choice("law", law, TABULATORS)](profiles, material)
     if material.hardness < math.inf:
         table.bearing = profiles.bearing_areas(table.approach())
     return table

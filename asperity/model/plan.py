@@ -22,7 +22,7 @@ from asperity.halfspace.load_points import (
     require_scene,
     slope_scale,
 )
-from asperity.microcontact.laws import LAWS
+from asperity.microcontact.laws import TABULATORS
 from asperity.multiscale.wave_split import chosen_split, solved_grid
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
@@ -191,7 +191,7 @@ def make_plan(
     compile_ahead("summits")
     start = time.perf_counter()
     as_choice("scales", scales, SCALES)
-    as_choice("law", law, LAWS)
+    as_choice("law", law, TABULATORS)
     require_scene(hm, material)
     # results need the digest at the end; another thread computes it now, as a solve leaves one idle
     parallel.aside(functools.partial(getattr, hm, "digest"))

@@ -69,7 +69,6 @@ def drawn(**changed):
             for value in ("5 um", True, [0.1])
         ),
         lambda: surfaces.ground((32, 48), (1.0, 1.5), rms_slope=None, cutoff=0.1),
-        lambda: surfaces.turned((32, 48), (1.0, 1.5), feed=0.1, nose_radius=0.5, hurst=2.0),
         lambda: surfaces.PolynomialProfile({"a": 1.0}),
         lambda: surfaces.PolynomialProfile({("a", "b"): 1.0}),
         lambda: surfaces.PolynomialProfile({(0.0, 0.0): 1.0}),
