@@ -40,13 +40,12 @@ from surfaces.heightmap import HeightMap
 
 __all__ = ["contact_curve", "solve_loads"]
 
-RESIDUAL_UNDER_LOAD = 5e-2
+RESIDUAL_UNDER_LOAD = 2e-2
 """Bound on the residual under a load before the last Newton step. That step changes load and area
 by a tenth of the residual or less (docs/development/interaction.md)."""
 
 RESIDUAL_AT_SEPARATION = 4e-3
-"""Bound on the residual at a separation, where no last Newton step follows: it leaves contacts
-barely open or closed, from which the lift of fine waves comes out 1 % wrong."""
+"""Bound on the residual at a separation, where no last Newton step follows."""
 
 UNRESOLVED_WARNED = 0.2
 """Smallest term `unresolved` (contacts smaller than a pixel) at which a load point is warned of."""
@@ -242,7 +241,7 @@ def _sweep(
         if last is not None and last.end_to_end:
             point = last
         elif decomposition.plan.sub_contact_law is not None and not by_load:
-            point = point_at_separation(decomposition, value, last, bound)
+            point = point_at_separation(decomposition, value, last, RESIDUAL_UNDER_LOAD)
         else:
             asked: Any = {"pressure" if by_load else "separation": value, "tolerance": bound}
             state = None if last is None else handed_on(last.state, **asked)

@@ -110,16 +110,15 @@ class CandidateList:
         separation: float,
         growth: float,
         spare: float,
-        rounded: bool,
     ) -> CandidateList:
         """The candidates at a separation [m], from a prediction of the contacts.
 
         `values` are the predicted `Point.values` of the summits `rows`: those predicted to be
         closed are candidates in any case. `field` is the smooth part of the last field, if any;
         where it is negative it may be `growth` times as deep. `spare` is the number of candidates
-        over that of the summits that overlap. With `rounded` all footprints are round.
+        over that of the summits that overlap.
         """
-        elongation = None if rounded else system.elongation
+        elongation = system.elongation
         closed = values[0] > 0
         closed, approach = rows[closed], values[0, closed]
         near, overlap = _overlaps(system, system.by_height, field, separation, growth)

@@ -75,7 +75,7 @@ def solve_at(
     field = last.field
     good: tuple[CandidateList, Solution] | None = None
     steps = products = 0
-    blind, rounded = not last.points, False
+    blind = not last.points
     for placed in range(MAX_LISTS + 1):
         if listed is None:
             listed = CandidateList.of(
@@ -86,7 +86,6 @@ def solve_at(
                 separation=separation + rise,
                 growth=growth,
                 spare=spare,
-                rounded=rounded,
             )
         if rows is not listed.index:
             values = _along(listed.index, rows, values, len(system))
@@ -110,10 +109,6 @@ def solve_at(
         )
         solution = _ordered(last, found, tolerance)
         steps, products = steps + solution.steps, products + solution.products
-        long = listed.problem.elongation is not None and _share(system, solution) <= CROWDED_AREA
-        if solution.reason and long and good is None and placed < MAX_LISTS:
-            listed, rounded = None, True  # round footprints may converge where long ones do not
-            continue
         field, values = listed.problem.coupling.smooth, solution.values
         separation = solution.separation
         current = listed
@@ -169,8 +164,7 @@ def start_of(
         growth, spare = max(1.0, pressure / last.points[-1].pressure), SPARE_CANDIDATES_OF_LOAD
     rise = last.rise(separation, values)
     if listed is not None:
-        rounded = system.elongation is not None and listed.problem.elongation is None
-        lacks = rounded or listed.lacks(system, last.field, separation + rise, growth)
+        lacks = listed.lacks(system, last.field, separation + rise, growth)
         listed = None if lacks else listed.recentred(system, rows, values, tolerance)
     return Start(rows, values, growth, spare, rise, listed)
 

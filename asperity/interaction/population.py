@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from asperity.errors import InputError
 from asperity.interaction.newton.laws import LEAST_BATCH
@@ -34,21 +35,14 @@ MAX_DOUBLINGS = 100
 LIGHTER_LOAD, LIGHTER_DEPTH = 0.5, 0.8
 """Share of the load, or of the depth below the highest summit, at which a solve without an earlier
 state begins. Footprints that overlap have several states: from a guess 3 of 24 maps found another
-one than in a curve, up to 0.5 of the stated error in load away, 1.3 at a separation. From these
-shares the differences were 0.17 at most, in less time."""
+one than in a curve, up to 0.5 of the stated error in load away. From these shares the differences
+were 0.17 at most, in less time."""
 
-MAX_SEARCH = 40
-"""Separations tried to reach a mean pressure."""
-
-SEARCH_TOLERANCE = 5e-3
-"""Largest tolerance of a solve in the search for a mean pressure."""
+MAX_SOLVES = 8
+"""Solves for one point, those of points between included."""
 
 LOAD_TOLERANCE = 1e-3
-"""Relative error of the load at which the search ends. If rounding of the heights does not allow
-that, half the tolerance of the solve is accepted."""
-
-INDEPENDENT_LOAD_TOLERANCE = 1e-6
-"""`LOAD_TOLERANCE` of independent contacts, whose steps cost no field."""
+"""Largest relative error of the load of independent contacts; rounding of the heights bounds it."""
 
 
 class Population(ContactSystem):
@@ -132,30 +126,18 @@ class Population(ContactSystem):
             if not 0 <= pressure < math.inf:
                 raise InputError(f"pressure must be finite and not negative, got {pressure:g} Pa")
         self.laws.foresee(None)
-        if state is None and self.interaction:
-            state = self._lighter(separation, pressure, tolerance)
         last = Continuation(self) if state is None else state.continuation
         if pressure is None:
             assert separation is not None
-            return self._judged(solve_at(last, separation, tolerance))
+            return self._judged(reached(last, separation, tolerance))
         if heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
-        return self._judged(solve_under(last, pressure, tolerance, state))
-
-    def _lighter(
-        self, separation: float | None, pressure: float | None, tolerance: float
-    ) -> PopulationState | None:
-        """A state at a lighter load, to start from; None if nothing touches there, or if it did not
-        converge."""
-        nothing = Continuation(self)
-        if pressure is not None:
-            found = solve_under(nothing, LIGHTER_LOAD * pressure, tolerance, None)
-        else:
-            assert separation is not None
-            depth = LIGHTER_DEPTH * (self.highest - separation)
-            found = solve_at(nothing, self.highest - depth, tolerance)
-        return found if found.converged and found.mean_pressure > 0 else None
+        if pressure == 0:
+            return self._judged(solve_at(last, self.highest, tolerance))
+        if self.interaction:
+            return self._judged(reached(last, pressure, tolerance, loaded=True))
+        return self._judged(independent(last, pressure))
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area
@@ -181,9 +163,7 @@ def handed_on(
     next point is left out, so that it can be freed before the next list is made.
     """
     last = state.continuation
-    # a search for nearly the same pressure may return this state itself
-    alike = pressure is not None and abs(state.mean_pressure - pressure) <= tolerance * pressure
-    if not state.converged or alike or last.candidates is None:
+    if not state.converged or last.candidates is None:
         return state
     if separation is None and pressure:
         separation = last.predicted_separation(pressure)
@@ -197,69 +177,58 @@ def handed_on(
     )
 
 
-def solve_under(
-    last: Continuation, pressure: float, tolerance: float, state: PopulationState | None
+def reached(
+    last: Continuation, goal: float, tolerance: float, *, loaded: bool = False
 ) -> PopulationState:
-    """State at a mean pressure [Pa].
+    """State at the separation `goal` [m] or, if `loaded`, at the mean pressure `goal` [Pa].
 
-    The Newton steps of coupled contacts have the separation as one more unknown. Where they fail,
-    and for independent contacts, the separation is searched for. The solve starts from the
-    continuation `last`, the search from the last `state`, if there is one; `tolerance` bounds the
-    residual.
+    Without an earlier point under load a lighter one is solved first. Contacts that do not settle
+    from the last point may do so from a point between. The solve starts from the continuation
+    `last`; `tolerance` bounds the residual.
     """
     system = last.system
-    if pressure == 0:
-        return solve_at(last, system.highest, tolerance)
-    if not system.interaction:
-        return _searched(last, pressure, tolerance, state)
-    guess = last.predicted_separation(pressure)
-    if guess is None:
-        guess = _independent_separation(system, pressure)
-    found = solve_at(last, guess, tolerance, pressure)
-    if found.converged or found.contact_area > CROWDED_AREA * system.nominal_area:
+    first = system.interaction and not last.under_load
+    target = _before(last, goal, loaded) if first else goal
+    for left in reversed(range(MAX_SOLVES)):
+        target = target if left else goal
+        if loaded:
+            guess = last.predicted_separation(target)
+            if guess is None:
+                guess = independent_separation(system, target)
+            found = solve_at(last, guess, tolerance, target)
+        else:
+            found = solve_at(last, target, tolerance)
+        if found.converged:
+            last = found.continuation
+        elif found.contact_area <= CROWDED_AREA * system.nominal_area:
+            target = _before(last, target, loaded)
+            continue
+        if target == goal:
+            break
+        target = goal
+    return found
+
+
+def _before(last: Continuation, target: float, loaded: bool) -> float:
+    """A load [Pa] or separation [m] between the last point, or first touch, and the target."""
+    if last.under_load:
+        before = last.under_load[-1]
+        middle = math.sqrt(target * before.pressure), 0.5 * (target + before.separation)
+    else:
+        top = last.system.highest
+        middle = LIGHTER_LOAD * target, top - LIGHTER_DEPTH * (top - target)
+    return middle[0] if loaded else middle[1]
+
+
+def independent(last: Continuation, pressure: float) -> PopulationState:
+    """State of independent contacts at a mean pressure [Pa]."""
+    separation = independent_separation(last.system, pressure)
+    found = solve_at(last, separation, 0.0)
+    missed = abs(found.mean_pressure / pressure - 1.0)
+    if missed <= LOAD_TOLERANCE:
         return found
-    searched = _searched(last, pressure, tolerance, state)
-    return searched if searched.converged or searched.residual < found.residual else found
-
-
-def _searched(
-    last: Continuation, pressure: float, tolerance: float, state: PopulationState | None
-) -> PopulationState:
-    """State at a mean pressure [Pa], by a Newton iteration over the separation for the logarithm of
-    the mean pressure, safeguarded by bisection. Arguments as in `solve_under`."""
-    system = last.system
-    top = system.highest
-    tolerance = min(tolerance, SEARCH_TOLERANCE)  # no last Newton step reduces the residual here
-    low, high, step = -math.inf, top, 0.1 * _relief(system)
-    if state is None or not state.mean_pressure > 0:
-        state = solve_at(last, _independent_separation(system, pressure), tolerance)
-    bound = LOAD_TOLERANCE if system.interaction else INDEPENDENT_LOAD_TOLERANCE
-    best, least = state, math.inf
-    for _ in range(MAX_SEARCH):
-        if not state.converged:
-            return state
-        error = math.log(state.mean_pressure / pressure) if state.mean_pressure > 0 else -1e3
-        if abs(error) < least and state.residual <= tolerance:
-            best, least = state, abs(error)
-        if least <= bound:
-            return best
-        here = state.separation
-        # within its residual a pressure does not tell on which side of the wanted one it lies
-        if abs(error) > 5 * state.residual:
-            low, high = (here, high) if error > 0 else (low, min(high, here))
-        guess = high - step
-        if state.mean_pressure > 0:
-            guess = here + error * state.mean_pressure / state.normal_stiffness
-        if not low < guess < high:
-            guess = 0.5 * (low + high) if math.isfinite(low) else high - step
-        step *= 2
-        # far from the wanted pressure a rough solve is enough
-        rough = SEARCH_TOLERANCE if abs(error) > 10 * SEARCH_TOLERANCE else tolerance
-        state = solve_at(state.continuation, guess, rough)
-    if least <= 0.5 * tolerance:  # rounding of the heights allows no smaller error
-        return best
-    return state.refused(
-        f"{MAX_SEARCH} separations did not bring the mean pressure to {pressure:g} Pa"
+    return found.refused(
+        f"the nearest separation misses the pressure of {pressure:g} Pa by {100 * missed:.2g} %"
     )
 
 
@@ -269,17 +238,16 @@ def _relief(system: ContactSystem) -> float:
     return spread or level or 1e-6 * math.sqrt(system.nominal_area)
 
 
-def _independent_separation(system: ContactSystem, pressure: float) -> float:
-    """Separation [m] at which independent contacts would carry the pressure [Pa], within a few per
-    cent."""
+def independent_separation(system: ContactSystem, pressure: float) -> float:
+    """Separation [m] at which independent contacts carry the pressure [Pa]."""
     summits, height = system.by_height, system.height
     system.laws.rows(summits[:LEAST_BATCH]).make()  # a batch costs less than single laws
 
-    def carried(separation: float) -> float:
+    def excess(separation: float) -> float:
         above = system.above(separation)
         laws = system.laws.rows(above)
         laws.make()
-        return float(laws(height[above] - separation).force.sum()) / system.nominal_area
+        return float(laws(height[above] - separation).force.sum()) / system.nominal_area - pressure
 
     # doubles the number of summits, not the depth: below one summit that stands far above the rest
     # the first step in depth could pass thousands of them
@@ -287,11 +255,8 @@ def _independent_separation(system: ContactSystem, pressure: float) -> float:
     width = 0.01 * _relief(system)
     low = float(height[summits[min(end, len(summits) - 1)]])
     for _ in range(MAX_DOUBLINGS):
-        if not carried(low) < pressure:
-            break
+        if excess(low) >= 0:
+            return float(brentq(excess, low, high, xtol=1e-14 * (high - low)))
         high, end, width = low, 2 * end, 2 * width
         low = float(height[summits[end]]) if end < len(summits) else low - width
-    for _ in range(8):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if carried(middle) > pressure else (low, middle)
-    return 0.5 * (low + high)
+    return low

@@ -197,10 +197,15 @@ class Continuation:
         most = int(SINKING_SHARE * (gained.size - 1))
         return max(0.0, last.separation - separation - float(np.partition(gained, most)[most]))
 
+    @property
+    def under_load(self) -> tuple[Point, ...]:
+        """The points that carry a load."""
+        return tuple(point for point in self.points if point.pressure > 0)
+
     def predicted_separation(self, pressure: float) -> float | None:
         """Separation [m] extrapolated to a mean pressure [Pa], over the logarithm of the pressure;
         None without points under load."""
-        known = [point for point in self.points if point.pressure > 0]
+        known = self.under_load
         if not known:
             return None
         if len(known) == 1:

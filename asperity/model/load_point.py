@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.halfspace.load_points import pressure_scale
 from asperity.multiscale.sub_contact_law import SurfacePoint, closed_areas, surface_point
 from surfaces.numerics.compiled import compiled
 from surfaces.patches import root
@@ -35,7 +36,13 @@ __all__ = [
 Array = NDArray[np.float64]
 
 MAX_TRIES = 12
-"""Separations of the longer waves tried to reach one separation of the whole surface."""
+"""Further loads tried to reach one separation of the whole surface."""
+
+FIRST_LOAD = 1e-3
+"""First of these loads, over E* times the rms slope."""
+
+LARGEST_GROWTH = 3.0
+"""Largest change of the logarithm of the load between two of them."""
 
 LOAD_ERROR = 5e-4
 """Relative error of the load at which the search for a separation of the whole surface ends."""
@@ -89,7 +96,7 @@ def load_point(decomposition: Decomposition, state: PopulationState) -> LoadPoin
     found = decomposition.hm.roughness
     highest = found.highest - found.mean
     surface = surface_point(population, law, state, float(area.sum()), highest)
-    reason = state.reason or _refusal(decomposition, state, surface)
+    reason = _refusal(decomposition, state, surface) or state.reason
     return LoadPoint(state, surface, area, reason)
 
 
@@ -102,34 +109,41 @@ def point_at_separation(
     """The load point at which the flat stands at a separation [m] from the whole surface.
 
     The search starts from the `last` load point, if there is one; `tolerance` as in
-    `Population.solve`.
+    `Population.solve` under a load.
 
     Notes
     -----
-    The fine waves lift the flat: the separation of the whole surface is that of the longer waves
-    plus the lift. A secant search finds the separation of the longer waves. As the lift changes
-    slowly with the load, each secant step is near the error itself.
+    The fine waves lift the flat by an amount that follows from the load. Newton's method finds the
+    logarithm of the load, in which separations are nearly linear.
     """
-    lift = 0.0 if last is None else last.surface.separation - last.state.separation
-    state = None if last is None else last.state
-    coarse, before = separation - lift, None
+    population, heights = decomposition.population, decomposition.hm.roughness
+    highest = heights.highest - heights.mean
+    if separation >= highest:
+        above = population.highest + separation - highest
+        return load_point(decomposition, population.solve(separation=above))
+    pressure, state = FIRST_LOAD * pressure_scale(decomposition.hm, population.material), None
+    if last is not None and last.state.mean_pressure > 0.0:
+        state, pressure = last.state, _pressure_at(last, separation)
     for _ in range(MAX_TRIES + 1):
-        state = decomposition.population.solve(separation=coarse, state=state, tolerance=tolerance)
-        point = load_point(decomposition, state)
+        # from the last load point, not from the last try: found is then what its load alone gives
+        found = population.solve(pressure=pressure, state=state, tolerance=tolerance)
+        point = load_point(decomposition, found)
         error = separation - point.surface.separation
-        close = abs(error) * point.surface.stiffness <= LOAD_ERROR * state.mean_pressure
         # a refusal of a flat that stands too low (error > 0) does not hold at the separation asked
-        refused = not state.converged and not error > 0.0
-        if refused or (error >= 0.0 if state.active == 0 else close):
+        if not found.converged and not error > 0.0:
             return point
-        step = error
-        if before is not None and before[1] != error:
-            secant = error * (coarse - before[0]) / (before[1] - error)
-            step = error * min(max(secant / error, 0.2), 3.0)
-        before = coarse, error
-        coarse += step
-    why = f"{MAX_TRIES + 1} solves did not bring the flat to {separation:g} m: its lift jumps there"
+        if abs(error) * point.surface.stiffness <= LOAD_ERROR * pressure:
+            return point
+        pressure = _pressure_at(point, separation)
+    why = f"{MAX_TRIES + 1} loads did not bring the flat to {separation:g} m: its lift jumps there"
     return load_point(decomposition, point.state.refused(why))
+
+
+def _pressure_at(point: LoadPoint, separation: float) -> float:
+    """Mean pressure [Pa] extrapolated from a load point to a separation [m], exponentially."""
+    pressure, surface = point.state.mean_pressure, point.surface
+    growth = (surface.separation - separation) * surface.stiffness / pressure
+    return pressure * float(np.exp(min(max(growth, -LARGEST_GROWTH), LARGEST_GROWTH)))
 
 
 def load_difference(alone: LoadPoint, interacting: PopulationState) -> float:

@@ -16,8 +16,8 @@ from .step import Step, conjugate_gradients
 __all__ = ["descent"]
 
 MAX_NEWTON_STEPS = 60
-"""Newton steps before a solve is given up: with elongated footprints round ones are taken instead,
-under a load the separation is searched for. Some solves with elongated footprints need 40."""
+"""Newton steps before a solve is given up and begun again from a point nearer the last. Some solves
+with elongated footprints need 40."""
 
 MAX_CUTS = 20
 """Halvings of a Newton step in the line search: shorter steps still lower the energy, but settle

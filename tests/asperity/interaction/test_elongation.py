@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from oracles import free_interaction
 from strategies import random_population
 
-import asperity
 from asperity.halfspace.footprint import Footprints
-from asperity.interaction import coupled_solve
 from asperity.interaction.coupled_solve import descend
 from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.laws import Laws
 from asperity.interaction.newton.state import Problem
-from asperity.interaction.population import Population
 from asperity.parameters import DEFAULTS
 
 EXPONENTS = (-0.3, 0.0, 0.5)
@@ -151,26 +146,3 @@ def test_a_turned_scene_carries_the_same():
         assert not solution.reason
         loads.append(solution.laws.force.sum())
     assert loads[0] == pytest.approx(loads[1], rel=2e-3)
-
-
-def long_and_round():
-    """A population of long contacts, and the same with round ones."""
-    y, x, height, table = random_population(64, (1.0, 1.0), 3, apart=True)
-    common = {"x": x, "y": y, "height": height, "table": table, "cell": (1.0, 1.0)}
-    common |= {"boundary": "periodic", "material": asperity.HalfSpace.from_modulus(1.0)}
-    shape = {"curvature": np.tile([6.0, 1.0], (64, 1)), "angle": np.full(64, 0.3)}
-    return Population(**common, **shape), Population(**common)
-
-
-def test_round_footprints_stand_in_where_long_ones_have_no_solution(monkeypatch):
-    long, flat = (population.solve(separation=0.01) for population in long_and_round())
-    assert long.converged and long.mean_pressure != flat.mean_pressure
-
-    def unsettled(problem, *args, **settings):
-        found = descend(problem, *args, **settings)
-        return found if problem.elongation is None else replace(found, reason="not settled")
-
-    monkeypatch.setattr(coupled_solve, "descend", unsettled)
-    stood = long_and_round()[0].solve(separation=0.01)
-    assert stood.converged
-    assert stood.mean_pressure == pytest.approx(flat.mean_pressure, rel=1e-6)

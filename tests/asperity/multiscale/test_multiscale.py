@@ -183,13 +183,13 @@ def body_of(hm, x):
 
 @pytest.mark.parametrize("x", [0.3, np.inf])
 def test_both_controls_agree_on_noise(noise, x):
-    """A rough solve leaves contacts at zero approach: one load of four was 28 and 31 % too low."""
+    """A rough solve leaves contacts at zero approach: loads differed by 31 %, later by 2 %."""
     body, scale = body_of(noise, x)
     pressures = np.geomspace(3e-4, 1.2e-2, 4) * scale
     by_load = asperity.contact_curve(noise, body, pressures=pressures)
     by_gap = asperity.contact_curve(noise, body, separations=by_load.separation)
     assert by_gap.settings["shortest_wave"] is not None and by_gap.converged.all()
-    np.testing.assert_allclose(by_gap.mean_pressure, pressures, rtol=1e-2)
+    np.testing.assert_allclose(by_gap.mean_pressure, pressures, rtol=2e-3)
 
 
 def test_a_separation_that_is_not_reached_is_told(noise, monkeypatch):
