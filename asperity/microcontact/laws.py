@@ -52,7 +52,8 @@ def tabulate_auto(profiles: Profiles, material: HalfSpace) -> LawTable:
     grossly, the summit gets the law `ritz`, and the disagreement as its spread. Plateaus, for which
     `ellipse` gives no law, get `ritz` too. `ellipse` also gives no law for a level tip such as r^4,
     which rises along every ray: the law `harmonic` is exact there, while `ritz` has a third of the
-    force.
+    force. Where `harmonic` has no contact either (the flat top of a post, whose rays look level),
+    the summit gets `ritz`.
     """
     table = ellipse.tabulate(profiles, material)
     left = table.flags[:, 1 : int(DOUBTFUL_END * table.nodes) + 1] & Flag.BEYOND_RADIUS
@@ -62,14 +63,17 @@ def tabulate_auto(profiles: Profiles, material: HalfSpace) -> LawTable:
         ratio[doubtful] = _worst_ratio(table, doubtful, profiles.rows(doubtful), material)
     tip, end = profiles.q[:, :, 1], profiles.q[:, :, -1]
     level = np.isinf(ratio) & ((tip > LEVEL_TIP[0] * end) & (tip < LEVEL_TIP[1] * end)).all(axis=1)
+    harmonic = partial(tabulate_expansion, law="harmonic", nodes=INTERVALS)
     for rows, second in (
-        (np.flatnonzero(level), partial(tabulate_expansion, law="harmonic", nodes=INTERVALS)),
-        (np.flatnonzero(~level & (ratio > GROSS_DIFFERENCE)), tabulate_ritz),
+        (np.flatnonzero(level), harmonic),
+        (np.flatnonzero(ratio > GROSS_DIFFERENCE), tabulate_ritz),
     ):
-        if rows.size:
-            other = second(profiles.rows(rows), material)
+        carries = table.reach[rows] * table.force[rows, -1] > 0
+        without = rows[~(level[rows] & carries)]
+        if without.size:
+            other = second(profiles.rows(without), material)
             _without_pull(other)
-            _replace(table, rows, other, ratio[rows])
+            _replace(table, without, other, ratio[without])
     return table
 
 

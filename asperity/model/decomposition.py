@@ -271,9 +271,10 @@ class Decomposition:
         silent = int(np.count_nonzero(height > separation))
         if not silent:
             return []
+        cure = "boundary elements" if self.plan.law == "auto" else 'law="auto" (--law auto)'
         return [
             f"summits above the flat that have no contact by the law {self.plan.law!r} and carry "
-            f'nothing: {silent}; take law="auto" (--law auto)'
+            f"nothing: {silent}; take {cure}"
         ]
 
     def deep_enough(self, state: PopulationState) -> bool:

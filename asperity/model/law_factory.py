@@ -114,9 +114,9 @@ class LawFactory:
         self.without.update(none.tolist())
         top = int(np.argmax(np.where(summits.valid, summits.height, -np.inf)))
         if top in self.without:
+            cure = "" if self.law == "auto" else 'law="auto" (--law auto), '
             raise ModelRangeError(
                 f"the law {self.law!r} has no contact for the highest summit, at x = "
                 f"{summits.x[top]:.4g} m, y = {summits.y[top]:.4g} m, too sharp or too blunt "
-                'for the points about it; take law="auto" (--law auto), more points or '
-                "boundary elements"
+                f"for the points about it; take {cure}more points or boundary elements"
             )

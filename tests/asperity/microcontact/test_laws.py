@@ -74,6 +74,22 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
     assert (table.spread[lost] == 1.0).all()
 
 
+@pytest.mark.parametrize("m", [0.0, -0.3])
+def test_every_post_of_a_wafer_carries(m):
+    """Flat tops whose rays rise level from the summit, so that they pass for tips such as r^4."""
+    y, x = np.ogrid[:96, :120]
+    tops = np.random.default_rng(3).normal(0.0, 0.15, (4, 5))
+    inside = (abs(y % 24 - 12) < 7.2) & (abs(x % 24 - 12) < 7.2)
+    heights = 1e-8 * np.where(inside, tops[y // 24, x // 24], -3.0)
+    hm = surfaces.HeightMap(heights, (1.3e-6, 0.8e-6), periodic=True)
+    body = asperity.HalfSpace.from_modulus(1e9, m)
+    separations = 1e-8 * np.quantile(tops, [0.3, 0.7]) - heights.mean()
+    curve = asperity.contact_curve(hm, body, separations=separations)
+    exact = asperity.bem_curve(hm, body, separations=separations, accuracy=0.01)
+    assert not any("carry nothing" in why for why in curve.settings["warnings"])
+    np.testing.assert_allclose(curve.load, exact.load, rtol=0.3)
+
+
 def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_most(
     profiles, monkeypatch
 ):
