@@ -115,10 +115,10 @@ def verified(
     At an anchor the model is off by d in the logarithm of the load at equal separation, and by a in
     the logarithm of the area at equal load. Both vary slowly with the load, and are interpolated
     over its logarithm to correct the points between the anchors: s = s_model - d/k with
-    k = -d ln F/ds, and A = A_model exp(-a) (docs/development/verification.md). Where the bounds
-    exceed the accuracy, anchors are added. Boundary elements also solve the points where the model
-    has no answer. If they solve all points, they do so to the accuracy asked for, not to a part of
-    it.
+    k = -d ln F/ds, and A = A_model exp(-a) (docs/development/verification.md). What a correction
+    exceeds the a-priori estimate of its point by is added to the bound. Where the bounds exceed the
+    accuracy, anchors are added. Boundary elements also solve the points where the model has no
+    answer. If they solve all points, they do so to the accuracy asked for, not to a part of it.
     """
     points = answered(model)
     others = np.setdiff1d(np.arange(len(model)), points)
@@ -141,7 +141,8 @@ def verified(
         area, area_bound = interpolated_misfit(position, anchors, known[1], floors[1])
         known_bounds = bounds_at(points[anchors], solved)
         rest = np.array([np.interp(position, position[anchors], row) for row in known_bounds])
-        bounds = np.array([load_bound, area_bound + scatter]) + rest
+        beyond = np.abs([load, area]) - prior * max(broken, 1.0)
+        bounds = np.array([load_bound, area_bound + scatter]) + np.maximum(beyond, 0.0) + rest
         over = np.maximum(bounds[0] / accuracy.load, bounds[1] / accuracy.area)
         over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
         if len(anchors) == count or over.max() <= 1.0:

@@ -63,6 +63,24 @@ def test_boundary_elements_correct_what_has_yielded(rough):
     assert (share <= 1.0).all()
 
 
+def test_a_correction_beyond_the_estimate_is_not_trusted(rough):
+    """The area of a contact that has yielded is known from its load, whatever it was before."""
+    exact = asperity.bem_curve(rough, STEEL, pressures=LOADS, tolerance=1e-4)
+    model = asperity.contact_curve(rough, STEEL, pressures=LOADS)
+    known = np.array([0, 0, 1, 0, 0, 1, 0], dtype=bool)
+    told = {**model.extra, "area_error_estimate": np.where(known, 0.01, 0.4)}
+    area = exact.contact_area * np.where(known, 1.0, 0.7)
+    model = dataclasses.replace(model, contact_area=area, extra=told)
+
+    def judge(values, share):
+        return exact.select(np.searchsorted(LOADS, values))
+
+    found = verified(rough, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
+    assert not found.extra["anchor"][known].any()
+    off = np.abs(np.log(found.contact_area / exact.contact_area))
+    assert (off <= found.extra["area_error_estimate"]).all()
+
+
 def test_verify_is_a_function(rough):
     with pytest.raises(InputError, match="verify is True; give"):
         asperity.contact_curve(rough, STEEL, pressures=LOADS, verify=True)
