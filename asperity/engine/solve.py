@@ -303,11 +303,13 @@ class _Scene:
 
     def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
         """Resolution of a curve (`engine.resolution`)."""
-        pressure = curve.mean_pressure
-        if self.solved.lightest is None and (pressure > 0.0).any():  # all were solved before
+        pressure, told = curve.mean_pressure, self.solved.lightest
+        known = (pressure > 0.0) & (curve.extra["anchor"] | (told is None))
+        first = int(np.argmin(np.where(known, pressure, np.inf)))
+        if known.any() and (told is None or told.mean_pressure > (1.0 + 1e-6) * pressure[first]):
+            # the lightest load was solved before, by a judge that keeps what it solves
             if not self.fits:
                 return UNTOLD
-            first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
             self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
         heaviest = float(pressure[curve.converged].max(initial=0.0))
         return resolution(self.hm, self.material, self.boundary, self.solved, heaviest)

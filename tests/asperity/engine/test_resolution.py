@@ -170,3 +170,21 @@ def test_a_load_that_does_not_converge_on_a_finer_grid_leaves_an_unknown_part_op
     found = resolution.resolution(hm, BODY, "periodic", solved, loads[-1])
     assert np.isnan([found.load, found.area]).all()
     assert "did not converge" in found.told_by and "an unknown part" in found.warnings[0]
+
+
+def test_a_lightest_load_that_was_solved_before_tells_of_the_pixels():
+    """A resumed run: what the file holds is not solved again, but lies on the same curve."""
+    hm = waves(4.0).replace(spacing=(1.2, 1.0))
+    loads = default_pressures(hm, BODY, 4) * [1e-2, 1.0, 1.0, 1.0]
+    whole = solve(hm, BODY, pressures=loads)
+    held = bem_curve(hm, BODY, pressures=loads[:2], accuracy=(0.05, 0.1))
+
+    def judge(hm, body, *, pressures, **how):
+        if len(pressures) == 1:
+            return bem_curve(hm, body, pressures=pressures, **how)
+        return held.joined(bem_curve(hm, body, pressures=pressures[2:], **how))
+
+    resumed = solve(hm, BODY, pressures=loads, judge=judge)
+    names = "resolution", "resolution_uncertainty"
+    for name in names:
+        assert resumed.verification[name] == whole.verification[name]
