@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from .compiled import QUOTIENTS, inner
@@ -71,9 +72,17 @@ def ordered(keys, highest):
     return order
 
 
+@register_jitable
+def in_groups(count: int) -> int:
+    """`count` rounded up to whole groups."""
+    return -(-count // LANES) * LANES
+
+
+@register_jitable
 def groups(count: int) -> NDArray[np.float64]:
-    """Working space of `count` groups, at the start of a cache line."""
-    space = np.zeros((count + 1) * LANES)
+    """Working space of `count` groups, at the start of a cache line, with any content; compiled
+    loops call this too."""
+    space = np.empty((count + 1) * LANES)
     first = (-(space.ctypes.data // 8)) % LANES
     return space[first : first + count * LANES]
 
@@ -81,7 +90,7 @@ def groups(count: int) -> NDArray[np.float64]:
 def packed(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """One row per profile, lengthened by zeros to whole groups."""
     rows = np.ascontiguousarray(values).reshape(len(values), math.prod(values.shape[1:]))
-    spare = -rows.shape[1] % LANES
+    spare = in_groups(rows.shape[1]) - rows.shape[1]
     return np.pad(rows, ((0, 0), (0, spare))) if spare else rows
 
 

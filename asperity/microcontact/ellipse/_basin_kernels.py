@@ -11,7 +11,6 @@ one per profile (`surfaces.numerics.lanes`).
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from surfaces.numerics.compiled import QUOTIENTS, inner
 from surfaces.numerics.lanes import (
@@ -130,11 +129,6 @@ def _planform(radius, weight, direction, rays, m, punch, out, place_):
     store(out, place_ + 3, my)
 
 
-def basin_space(rays: int, levels: int) -> tuple[Any, ...]:
-    """Working groups of `fill`: the edge operator along a ray and its rising part, and radii."""
-    return groups(CELLS + 1), groups(CELLS + 1), groups(levels * rays)
-
-
 @inner(fastmath=QUOTIENTS)
 def _operator(q, first, nodes, weights, unit, out):
     """Edge operator at the ends of the cells of a ray with nodes q[first : first + nodes]."""
@@ -153,8 +147,7 @@ def _operator(q, first, nodes, weights, unit, out):
 
 @inner(fastmath=QUOTIENTS)
 def fill(
-    q, nodes, weights, weight, direction, edge, rays, scale, shape, last, levels, m, punch, out,
-    space,
+    q, nodes, weights, weight, direction, edge, rays, scale, shape, last, levels, m, punch, out
 ):  # fmt: skip
     """Area, stiffness and centre (levels, 4) of planforms from the levels `last` on.
 
@@ -164,7 +157,7 @@ def fill(
     between equispaced fractions of the ray. `scale` is the unit of q. Without a trusted contour
     (last = -1) the operator of every ray equals the approach.
     """
-    square, rising, radius = space
+    square, rising, radius = groups(CELLS + 1), groups(CELLS + 1), groups(levels.size * rays)
     begin = most(last, splat(0.0))
     earliest = 0
     while not some(begin <= 1.0 * earliest):

@@ -16,7 +16,6 @@ one per profile (`surfaces.numerics.lanes`).
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from surfaces.numerics.lanes import (
     between,
     exponential,
     groups,
+    in_groups,
     load,
     most,
     sine_cosine,
@@ -61,7 +61,7 @@ _SLOPE, _BEFORE, _USED, _STEP = 5, 10, 15, 20
 the present pose, then its slope over ln d, the pose at the level before, the pose at which the
 functional was evaluated, and the Newton step."""
 
-SHAPE_ROW = -(-SHAPE // LANES) * LANES
+SHAPE_ROW = in_groups(SHAPE)
 """`SHAPE` rounded up to whole groups."""
 
 _STRETCH, _SMALLEST, _LEVEL, _ROUND, _FIRST, _LAST, _ALIVE = 0, 1, 2, 3, 4, 5, 6
@@ -107,18 +107,6 @@ def _values(coefs, a, b, depth, moments, out):
     return mean
 
 
-def march_space(rays: int) -> tuple[Any, ...]:
-    """Working groups of `march_rows`.
-
-    Poses, local polynomial, its values, fields of the contour, displacements and their limits, a
-    system of five and numbers of table rows; the profiles in the lanes: polynomials, edges,
-    contours and single numbers; a state, and which lanes have one.
-    """
-    pose = (25, TERMS, 2 * TERMS, LANES * FIELDS, LANES * FIELDS, 4 * NODES, 4 * NODES, 25, 1)
-    present = (NESTED_FITS * TERMS, rays, SHAPE, _SINGLE)
-    return tuple(tuple(map(groups, counts)) for counts in (pose, present, (STATES, 2)))
-
-
 @inner()
 def _enter(lane, k, coefs, frames, scales, rays, pose, present):
     """Put profile k into a lane, at its first ellipse."""
@@ -138,13 +126,10 @@ def _enter(lane, k, coefs, frames, scales, rays, pose, present):
     single[_ROUND * LANES + lane] = 0.0
     single[_FIRST * LANES + lane] = -1.0
     single[_LAST * LANES + lane] = -1.0
-    single[_ALIVE * LANES + lane] = 1.0
 
 
 @compiled(fastmath=QUOTIENTS)
-def march_rows(
-    coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found, space
-):  # fmt: skip
+def march_rows(coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found):
     """Find the best ellipses of profiles over ascending approaches, each lane at its own pace.
 
     `levels` are the approaches, and the logarithms of each over the one before. Fills rows of
@@ -160,23 +145,24 @@ def march_rows(
     shrink, start, step, count = grid
     depths, growths = levels
     n, size = len(scales), depths.size
-    work, present, (state, recorded) = space
-    pose, local, values, own, fields, X, limit, system, number = work
+    pose, local, values, system, number = (
+        groups(25), groups(TERMS), groups(2 * TERMS), groups(25), groups(1),
+    )  # fmt: skip
+    own, fields = groups(LANES * FIELDS), groups(LANES * FIELDS)
+    X, limit = groups(4 * NODES), groups(4 * NODES)  # displacements of the contour
+    present = groups(NESTED_FITS * TERMS), groups(rays), groups(SHAPE), groups(_SINGLE)
     fits, edge, shape, single = present
-    who = np.empty(LANES, np.int64)
-    following = np.int64(0)
+    state, recorded = groups(STATES), groups(2)
+    following = _usable_from(np.int64(0), scales)
+    if following == n:
+        return
+    who = np.full(LANES, following)
     for lane in range(LANES):
-        following = _usable_from(following, scales)
-        if following < n:
-            _enter(lane, following, coefs, frames, scales, rays, pose, present)
-            who[lane] = following
-            following += 1
-        elif lane > 0:
-            who[lane] = who[0]
-            _enter(lane, who[0], coefs, frames, scales, rays, pose, present)
-            single[_ALIVE * LANES + lane] = 0.0
-        else:
-            return
+        left = following < n  # a lane for which none is left repeats the first profile, unrecorded
+        who[lane] = following if left else who[0]
+        _enter(lane, who[lane], coefs, frames, scales, rays, pose, present)
+        single[_ALIVE * LANES + lane] = 1.0 if left else 0.0
+        following = _usable_from(following + 1, scales)
     while True:
         alive = load(single, _ALIVE) > 0.0
         if not some(alive):
@@ -263,11 +249,10 @@ def march_rows(
                 shapes[k, i] = shape[i * LANES + lane]
             ends[k, 0] = single[_FIRST * LANES + lane]
             ends[k, 1] = single[_LAST * LANES + lane]
-            following = _usable_from(following, scales)
             if following < n:
-                _enter(lane, following, coefs, frames, scales, rays, pose, present)
                 who[lane] = following
-                following += 1
+                _enter(lane, following, coefs, frames, scales, rays, pose, present)
+                following = _usable_from(following + 1, scales)
             else:
                 single[_ALIVE * LANES + lane] = 0.0
 

@@ -7,7 +7,6 @@ height and one length of each. Coefficients run over the monomials of `ellipse_o
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from surfaces.numerics.lanes import (
     collect_rows,
     exponential,
     groups,
+    in_groups,
     least,
     load,
     logarithm,
@@ -123,13 +123,8 @@ def _sample(q, rays, nodes, edge, reach, radii, scale, out):
             store(out, at, where(inside, load(out, at), value))
 
 
-def fit_space(rays: int, radii: int, points: int) -> tuple[Any, ...]:
-    """Working groups of `fit`: samples, their parity classes and powers of the semi-axes."""
-    return groups(rays * radii), groups(4 * points * NESTED_FITS), groups(2 * (DEGREE + 1))
-
-
 @inner(fastmath=QUOTIENTS)
-def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
+def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs):
     """Least-squares polynomials of summits on nested ellipses.
 
     `reach[p]` is the length of ray p in the largest ellipse, `wide` holds its inverse semi-axes.
@@ -140,10 +135,11 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
     Fills the groups `coefs` of x**i y**j, (NESTED_FITS, monomials).
     """
     radii, rings, image, matrices, members, count = rules
-    value, part, power = space
-    per, samples = rings.shape[1], radii.size
+    per, samples, rays = rings.shape[1], radii.size, 4 * (image.shape[0] - 1)
     points = image.shape[0] * per
-    _sample(q, 4 * (image.shape[0] - 1), nodes, edge, reach, radii, scale, value)
+    value, part = groups(rays * samples), groups(4 * points * NESTED_FITS)
+    power = groups(2 * (DEGREE + 1))
+    _sample(q, rays, nodes, edge, reach, radii, scale, value)
     for b in range(image.shape[0]):
         p0, p1, p2, p3 = image[b, 0], image[b, 1], image[b, 2], image[b, 3]
         for s in range(NESTED_FITS):
@@ -252,22 +248,8 @@ def _first_ellipse(coefs, depth, m, scales):
     store(scales, 5, size + 0.5 * ratio)
 
 
-def frame_space(rays: int, nodes: int, rules: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Working groups of `fit_rows`.
-
-    A block, directions, weights, lengths and nodes of the rays; frames, scales, semi-axes, numbers
-    of base ellipses, fits and single numbers; those of `fit`.
-    """
-    radii, rings, image = rules[1][:3]
-    row = -(-rays // LANES)
-    samples = (LANES, row * LANES, row * LANES, row * LANES, -(-rays * nodes // LANES) * LANES)
-    own = (4 * rays, SCALES, 2, 1, -(-NESTED_FITS * TERMS // LANES) * LANES, 3)
-    fitting = fit_space(rays, radii.size, image.shape[0] * rings.shape[1])
-    return tuple(map(groups, samples)), tuple(map(groups, own)), fitting
-
-
 @compiled()
-def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales, space):
+def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales):
     """Frames (rows of directions, lengths and reaches of the rays), fits and scales of profiles.
 
     Row 0 of the results belongs to the profile `begin`; the last of the `scales` is zero where a
@@ -276,7 +258,11 @@ def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales, space
     phis, angles, weights, curvatures, edges, qs, valid, rays, nodes = profiles
     skews, fitting = rules
     n = end - begin
-    (block, phi, weight, edge, q), (frame, own, wide, numbers, fits, single), working = space
+    row = in_groups(rays)
+    block, phi, weight, edge = groups(LANES), groups(row), groups(row), groups(row)
+    q, fits = groups(in_groups(rays * nodes)), groups(in_groups(NESTED_FITS * TERMS))
+    frame, own, wide = groups(4 * rays), groups(SCALES), groups(2)
+    numbers, single = groups(1), groups(3)
     who, chosen = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
     axes, number = np.zeros((n, 2)), np.zeros(n, np.int64)
     for i in range(0, n, LANES):
@@ -323,7 +309,7 @@ def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales, space
             spread_rows(source, at, target, block)
         fit(
             q, nodes, edge, 0.25 / load(own, 1), frame[3 * rays * LANES :], wide, fitting,
-            number[k], fits, working,
+            number[k], fits,
         )  # fmt: skip
         _first_ellipse(fits, depth, m, own)
         store(own, SCALES - 1, usable(fits))

@@ -8,15 +8,14 @@ profiles at once (`surfaces.numerics.lanes`), the rest for one after the other.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from asperity.errors import Flag
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.lanes import LANES, groups, load, ordered, spread_rows
+from surfaces.numerics.lanes import LANES, groups, in_groups, load, ordered, spread_rows
 
-from ._basin_kernels import basin_space, fill
+from ._basin_kernels import fill
 from ._ellipse_kernels import SHAPE_ROW, STATES
 
 WIDTH = 5
@@ -167,21 +166,9 @@ def _write(made, state, filling, trusted, basin, resampling, length, angle, unit
         centre[n, j + 1, 0], centre[n, j + 1, 1] = c * x - s * y, s * x + c * y
 
 
-def table_space(rays: int, samples: int, levels: int) -> tuple[Any, ...]:
-    """Working groups of `tabulate_rows`.
-
-    A block; nodes and weights of the rays, frames, scales, contours and trusted levels; the
-    planforms, and what they are made with.
-    """
-    row = -(-rays // LANES) * LANES
-    counts = (-(-rays * samples // LANES) * LANES, row, 4 * rays, LANES, SHAPE_ROW, LANES)
-    return groups(LANES), tuple(map(groups, counts)), groups(4 * levels), basin_space(rays, levels)
-
-
 @compiled()
 def tabulate_rows(
-    begin, profiles, frames, scales, found, levels, m, modulus, weights, punch, resampling, out,
-    space,
+    begin, profiles, frames, scales, found, levels, m, modulus, weights, punch, resampling, out
 ):  # fmt: skip
     """Table rows of the profiles from `begin` on, from their `frames`, `scales` and states `found`.
 
@@ -193,7 +180,9 @@ def tabulate_rows(
     states, shapes, ends = found
     n, p, size = len(scales), 3 + m, u.size
     who, own = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
-    block, (q, weight, frame, scale, shape, end), planforms, working = space
+    block, q, weight = groups(LANES), groups(in_groups(rays * samples)), groups(in_groups(rays))
+    frame, scale, shape, end = groups(4 * rays), groups(LANES), groups(SHAPE_ROW), groups(LANES)
+    planforms = groups(4 * size)
     columns, made = np.zeros((5, size)), np.zeros((4, resampling[0].size))
     keys = np.zeros(n, np.int64)
     for k in range(n):
@@ -215,7 +204,6 @@ def tabulate_rows(
         fill(
             q, samples, weights, weight, frame, frame[2 * rays * LANES :], rays,
             lengths * lengths / load(scale, 1), shape, load(end, 1), u, m, punch, planforms,
-            working,
         )  # fmt: skip
         for lane in range(min(LANES, count - i)):
             k, row = own[lane], who[lane]

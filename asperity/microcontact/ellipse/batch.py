@@ -12,8 +12,6 @@ basin. Three compiled passes take a profile from its samples to its row of the t
 from __future__ import annotations
 
 import math
-import threading
-from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -52,8 +50,6 @@ _FIRST_STEPS = 8
 
 _BLOCK = 256
 """Profiles that a thread takes at a time, so that their arrays stay in its cache."""
-
-_KEPT = threading.local()
 
 _RATIO_POINTS = 1536
 """Number of axis ratios at which the functional is evaluated."""
@@ -207,6 +203,7 @@ def _fine_rows(rows: Array) -> Array:
     first, last, _ = LOG_RATIO
     fine = np.stack([between(rows, place) for place in np.linspace(first, last, _RATIO_POINTS)])
     out = groups(_RATIO_POINTS * WIDTH).reshape(_RATIO_POINTS, WIDTH, LANES)
+    out[:] = 0.0
     forms = fine[:, QUARTERS + 1 :]
     forms = np.pad(forms, ((0, 0), (0, FORMS * LANES - forms.shape[1])))
     out[:, : -FORMS - 1, :NODES] = fine[:, :QUARTERS].reshape(_RATIO_POINTS, -1, NODES)
@@ -215,21 +212,13 @@ def _fine_rows(rows: Array) -> Array:
     return out.ravel()
 
 
-def _workspace(key: tuple[Any, ...], make: Callable[[], tuple[Any, ...]]) -> tuple[Any, ...]:
-    """Working arrays of this thread, kept for the next call: most calls make few laws."""
-    if getattr(_KEPT, "key", None) != key:
-        _KEPT.key, _KEPT.space = key, make()
-    space: tuple[Any, ...] = _KEPT.space
-    return space
-
-
 def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
     """Law table of a batch of profiles about their optimal ellipses; see `laws.tabulate`."""
-    from surfaces.numerics.lanes import LANES, packed
+    from surfaces.numerics.lanes import LANES, in_groups, packed
 
-    from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
-    from ._fit_kernels import NESTED_FITS, SCALES, TERMS, fit_rows, frame_space
-    from ._table_kernels import table_space, tabulate_rows
+    from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows
+    from ._fit_kernels import NESTED_FITS, SCALES, TERMS, fit_rows
+    from ._table_kernels import tabulate_rows
 
     n, rays = profiles.phi.shape
     m = material.m
@@ -244,26 +233,16 @@ def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
     u = levels[0]
     widths = (4 * rays, NESTED_FITS * TERMS, SCALES, u.size * STATES, SHAPE_ROW, LANES)
 
-    def made() -> tuple[Any, ...]:
-        return (
-            [np.zeros((_BLOCK, -(-width // LANES) * LANES)) for width in widths],
-            frame_space(rays, profiles.t.size, fitting),
-            march_space(rays),
-            table_space(rays, profiles.t.size, u.size),
+    def part(begin: int, end: int) -> None:
+        frames, coefs, scales, states, shapes, ends = (
+            np.empty((end - begin, in_groups(width))) for width in widths
+        )
+        found = states, shapes, ends
+        fit_rows(begin, end, samples, fitting, u[0] ** 2, m, frames, coefs, scales)
+        march_rows(coefs, frames, scales, rays, followed, *marching, found)
+        tabulate_rows(
+            begin, samples, frames, scales, found, levels, m, material.modulus, *rows, out
         )
 
-    def part(begin: int, end: int) -> None:
-        space, fit_work, march_work, row_work = _workspace((m, rays, profiles.t.size), made)
-        for start in range(begin, end, _BLOCK):
-            stop = min(start + _BLOCK, end)
-            frames, coefs, scales, *rest = (array[: stop - start] for array in space)
-            fit_rows(start, stop, samples, fitting, u[0] ** 2, m, frames, coefs, scales, fit_work)
-            found = tuple(rest)
-            march_rows(coefs, frames, scales, rays, followed, *marching, found, march_work)
-            tabulate_rows(
-                start, samples, frames, scales, found, levels, m, material.modulus, *rows,
-                out, row_work,
-            )  # fmt: skip
-
-    parallel.run(part, parallel.blocks(n, 32))
+    parallel.run(part, parallel.blocks(n, 32, _BLOCK))
     return table

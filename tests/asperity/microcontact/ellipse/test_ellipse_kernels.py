@@ -79,9 +79,9 @@ def test_small_systems():
 
 
 @njit
-def _fit(q, nodes, edge, height, reach, wide, rules, number, out, space):
+def _fit(q, nodes, edge, height, reach, wide, rules, number, out):
     scale = splat(0.25 / height)
-    _fit_kernels.fit(q, nodes, edge, scale, reach, wide, rules, number, out, space)
+    _fit_kernels.fit(q, nodes, edge, scale, reach, wide, rules, number, out)
 
 
 def test_nested_fits_find_a_polynomial():
@@ -101,12 +101,7 @@ def test_nested_fits_find_a_polynomial():
     x, y = direction[0, :, None], direction[1, :, None]
     q = sum(c * x**i * y**j * r ** (i + j - 2) for c, i, j in zip(coefs, *POWERS, strict=True) if c)
     out = np.zeros(_fit_kernels.NESTED_FITS * POWERS.shape[1] * LANES)
-    radii, rings, image = fitting[:3]
-    space = _fit_kernels.fit_space(rays, radii.size, len(image) * len(rings[0]))
-    _fit(
-        lanes(q), nodes, lanes(edge), 2.0, lanes(reach), lanes(1 / wide), fitting, number, out,
-        space,
-    )  # fmt: skip
+    _fit(lanes(q), nodes, lanes(edge), 2.0, lanes(reach), lanes(1 / wide), fitting, number, out)
     found = out.reshape(_fit_kernels.NESTED_FITS, -1, LANES)[..., 6]
     length = 0.9
     expected = coefs * length**degree / 2.0
@@ -114,11 +109,10 @@ def test_nested_fits_find_a_polynomial():
 
 
 @njit
-def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, punch, out, own):
-    shape, space = own
+def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, punch, out, shape):
     _basin_kernels.fill(
         q, nodes, weights, weight, direction, edge, rays, splat(scale), shape, splat(-1.0), levels,
-        m, punch, out, space,
+        m, punch, out,
     )  # fmt: skip
 
 
@@ -127,11 +121,9 @@ def _filled(q, weights, weight, direction, edge, levels, m):
     rays, nodes = q.shape
     _, punch, _ = _rules(m, rays, nodes)[-1]
     out = np.zeros(levels.size * 4 * LANES)
-    space = _basin_kernels.basin_space(rays, levels.size)
-    own = groups(SHAPE), space
     _fill(
         lanes(q), nodes, weights, lanes(weight), lanes(direction), lanes(edge), rays, 0.3, levels,
-        m, punch, out, own,
+        m, punch, out, groups(SHAPE),
     )  # fmt: skip
     return out.reshape(levels.size, 4, LANES)[..., 3]
 
