@@ -117,18 +117,13 @@ def expected_area_fraction(hm: HeightMap, material: HalfSpace, pressure: float) 
     if pressure_scale(hm, material) == 0.0:
         return 1.0
     light = area_over_pressure(hm, material) * pressure
-    return max(_extrapolated(light), min(pressure / material.hardness, 1.0))
+    return max(closed_share(light / AREA_OVER_LOAD), min(pressure / material.hardness, 1.0))
 
 
 def closed_share(pressure: float) -> float:
-    """Forecast of the area fraction of elastic random roughness at a mean pressure over E* h'."""
-    return _extrapolated(AREA_OVER_LOAD * pressure)
-
-
-def _extrapolated(light: float) -> float:
-    """Area fraction, of that by the proportionality of light loads: erf(sqrt(pi)/2 x) (Persson
-    2001)."""
-    return math.erf(0.5 * math.sqrt(math.pi) * light)
+    """Forecast of the area fraction of elastic random roughness at a mean pressure over E* h':
+    erf(sqrt(pi)/2 x), where x is that by the proportionality of light loads (Persson 2001)."""
+    return math.erf(0.5 * math.sqrt(math.pi) * AREA_OVER_LOAD * pressure)
 
 
 def checked_loads(

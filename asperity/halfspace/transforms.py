@@ -20,6 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import eigh_tridiagonal
 from scipy.special import beta, betainc, betaincc, gammaln, roots_jacobi
 
+from surfaces.numerics.cubics import lagrange
+
 __all__ = ["edge_weights", "gauss_jacobi", "kappa", "moment_weights", "moments"]
 
 Array = NDArray[np.float64]
@@ -147,18 +149,11 @@ def _weights(m: float, nodes: int, order: int, radii: int) -> tuple[Array, Array
     """Weights of h and of a h'."""
     t, w = gauss_jacobi(m, 24)
     value, slope = np.zeros((2, radii, nodes))
-    last = nodes - 1
+    weight = (w * t ** (order + 3))[:, None]
     for n, a in enumerate(np.linspace(0, 1, radii)):
-        position = a * t * last
-        i = np.clip(position.astype(int), 1, last - 2)
-        u = position - i
-        cubic = (
-            (-u * (u - 1) * (u - 2) / 6, -(3 * u * u - 6 * u + 2) / 6),
-            ((u + 1) * (u - 1) * (u - 2) / 2, (3 * u * u - 4 * u - 1) / 2),
-            (-(u + 1) * u * (u - 2) / 2, -(3 * u * u - 2 * u - 2) / 2),
-            ((u + 1) * u * (u - 1) / 6, (3 * u * u - 1) / 6),
-        )
-        for k, (share, change) in enumerate(cubic):
-            np.add.at(value[n], i + k - 1, share * w * t ** (order + 3))
-            np.add.at(slope[n], i + k - 1, change * position * w * t ** (order + 3))
+        position = a * t * (nodes - 1)
+        four = np.clip(position.astype(int), 1, nodes - 3)[:, None] + np.arange(-1, 3)
+        share, change = lagrange(four, position)
+        np.add.at(value[n], four, weight * share)
+        np.add.at(slope[n], four, weight * change * position[:, None])
     return value, slope

@@ -230,7 +230,7 @@ def _join(table: LawTable, slots: Rows, nodes: Rows, values: Array) -> None:
 
     A tip that is no paraboloid has another power of u than p: F over that power is interpolated.
     """
-    from scipy.interpolate import PchipInterpolator
+    from scipy.interpolate import CubicSpline, PchipInterpolator
 
     row, begin, last = slots[:, None], int(nodes[0]), int(nodes[-1])
     inside, later = np.arange(begin, last + 1), np.arange(last, table.nodes + 1)
@@ -256,18 +256,8 @@ def _join(table: LawTable, slots: Rows, nodes: Rows, values: Array) -> None:
     if nodes[0] == 1:
         tip = np.log(force[:, 1:2] / force[:, :1]) / np.log(u[1] / u[0])
         p = np.where(np.abs(tip - p) > BLUNT_TIP, np.clip(tip, 2.0, 2.0 * p - 2.0), p)
-    line, rise = ((force / u**p) @ part.T for part in _natural(tuple(nodes.tolist()), begin))
+    spline = CubicSpline(nodes, force / u**p, axis=1, bc_type="natural")
+    line, rise = spline(inside), spline(inside, 1)
     table.force[row, inside] = own**p * line
     slope = own ** (p - 2) * (p * line + own * table.nodes * rise)
     table.stiffness[row, inside] = slope / (2.0 * table.reach[row])
-
-
-@lru_cache(maxsize=64)
-def _natural(nodes: tuple[int, ...], begin: int) -> tuple[Array, Array]:
-    """Matrices from values at `nodes` to their natural cubic spline, and to its slope, at all nodes
-    from `begin` to the last."""
-    from scipy.interpolate import CubicSpline
-
-    line = CubicSpline(nodes, np.eye(len(nodes)), bc_type="natural")
-    inside = np.arange(begin, nodes[-1] + 1)
-    return line(inside), line(inside, 1)

@@ -103,21 +103,15 @@ def _chord_transform(degree: int, m: float) -> Array:
     eigen = np.pi / math.cos(m * np.pi / 2) * poch(m, order) / factorial(order)
     points = np.cos((np.arange(degree + 1) + 0.5) * np.pi / (degree + 1))
     to_powers = np.linalg.inv(np.vander(points, degree + 1, increasing=True))
-    out = np.zeros((degree + 1, degree + 1))
-    for n in range(degree + 1):
-        norm = math.sqrt((w * eval_jacobi(n, exponent, exponent, s) ** 2).sum())
-        coef = to_powers @ eval_jacobi(n, exponent, exponent, points) / norm
-        values = polynomial.polyval(s, coef)
-        for j in range(degree + 1):
-            out[j] += eigen[n] * (w * s**j * values).sum() * coef
-    return out
+    values, coefs = (eval_jacobi(order, exponent, exponent, x[:, None]) for x in (s, points))
+    shares = (w * s ** order[:, None]) @ values * (eigen / (w @ values**2))
+    return np.asarray(shares @ (to_powers @ coefs).T)
 
 
 def _chord_transform_lower(degree: int, m: float, upper: Array) -> Array:
     """As `_chord_transform` with exponent (m-3)/2 (finite part): degree j gives degree j - 2."""
     out = np.zeros_like(upper)
-    if degree >= 2:
-        out[2] = -upper[0]
+    out[2] = -upper[0]
     for j in range(2, degree):
         derivative = np.append(polynomial.polyder(upper[j]), 0.0)
         out[j + 1] = (j * out[j - 1] - derivative) / (j + m - 1)
@@ -191,18 +185,19 @@ def edge_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
 
 
 def _free_fields(
-    m: float, ratio: Array, degree: int, t: Array
+    m: float, ratio: Array, degree: int, count: int
 ) -> Iterator[tuple[int, Index, Array, list[Array]]]:
     """Fields ``P (1 - rho**2)**((m-3)/2)``, P a polynomial, that cause no displacement.
 
     Yields for each parity class: 0 for cosines or 1 for sines; the numbers k of the Fourier modes
-    that P has at the edge; these modes at the parameters t, shape (t, k); the first and the second
-    coefficient of P there in powers of ``1 - rho**2``, shape (ratio, t, k) each.
+    that P has at the edge; these modes at `count` equispaced parameters t, shape (t, k); the first
+    and the second coefficient of P there in powers of ``1 - rho**2``, shape (ratio, t, k) each.
     """
     # displacement by the monomials times (1 - rho**2)**((m-3)/2), finite parts
     transform = _chord_transform_lower(degree, m, _chord_transform(degree, m))
     lower = _operator(degree, m, transform, 2, ratio)
     parity, order = parity_of(degree), np.sum(monomials(degree), axis=0)
+    t = np.arange(count) * 2 * np.pi / count
     edge = _edge_monomials(degree, t)
     for kind, (form, first) in enumerate(((0, 0), (1, 2), (0, 1), (1, 1))):
         rows = np.flatnonzero(parity == kind)
@@ -233,9 +228,7 @@ def _stiffness_forms(m: float, ratio: Array, degree: int, moments: Array) -> Arr
         for part in (moments, -moments * np.arange(moments.shape[1]) ** 2)
     )
     out = []
-    for _, number, modes, (slope, _) in _free_fields(
-        m, ratio, degree, np.arange(count) * 2 * np.pi / count
-    ):
+    for _, number, modes, (slope, _) in _free_fields(m, ratio, degree, count):
         form = np.einsum("bt,ti,btj->bij", weight, modes, 0.5 * m * modes + (m - 1) * slope)
         form = form + 0.25 * np.einsum("bt,ti,tj->bij", bent, modes, modes)
         form = 0.5 * (form + np.swapaxes(form, 1, 2))
@@ -257,9 +250,7 @@ def edge_slopes(m: float, degree: int) -> Array:
     """
     ratio, count = np.exp(np.linspace(*LOG_RATIO)), 4 * (degree + 1)
     out = np.zeros((ratio.size, 2, 2, degree + 1, degree + 1))
-    for form, number, modes, slopes in _free_fields(
-        m, ratio, degree, np.arange(count) * 2 * np.pi / count
-    ):
+    for form, number, modes, slopes in _free_fields(m, ratio, degree, count):
         norm = np.sum(modes * modes, axis=0)
         for which, inner in enumerate(slopes):
             out[:, which, form, number[:, None], number] = np.swapaxes(
