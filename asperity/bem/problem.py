@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +14,7 @@ from asperity.errors import InputError
 from asperity.halfspace.influence import influence
 from asperity.halfspace.load_points import chosen_boundary
 from asperity.halfspace.material import HalfSpace
-from surfaces.errors import as_number
+from surfaces.errors import as_number, shown
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics.parallel import threads as thread_count
 
@@ -26,7 +27,7 @@ from .solution import read_contact
 from .stiffness import contact_stiffness
 from .transform import Scratch
 
-__all__ = ["ContactProblem"]
+__all__ = ["ContactProblem", "one_load"]
 
 _COARSE_TOLERANCE = 1e-2
 """Bound on the certificate on the coarser grids."""
@@ -41,6 +42,13 @@ and those of pressures far below them."""
 
 _FLAT_UNIT = 1e-6
 """Unit inside of a flat map, over its pixels: it has no height of its own."""
+
+
+def one_load(name: str, given: Any) -> float:
+    """The load point of the kind `name` as a float; several are refused."""
+    if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+        raise InputError(f"{name} is {shown(given)}; give one number, or all of them to bem_curve")
+    return as_number(name, given)
 
 
 class ContactProblem:
@@ -91,7 +99,7 @@ class ContactProblem:
             raise InputError("give exactly one of pressure and separation")
         name = "separation" if pressure is None else "pressure"
         given: Any = separation if pressure is None else pressure
-        value = as_number(name, given)
+        value = one_load(name, given)
         if pressure is not None:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(

@@ -11,12 +11,11 @@ from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.load_points import expected_area_fraction, require_scene
 from asperity.halfspace.material import HalfSpace
-from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 
 from .answer import answer
 from .correction import PressureOrigin
-from .problem import ContactProblem
+from .problem import ContactProblem, one_load
 from .solution import BemSolution
 
 __all__ = ["bem_solve"]
@@ -90,7 +89,7 @@ def bem_solve(
     surface, hm = hm, hm.about_mean
     share = None
     if pressure is not None:
-        bounded = min(material.hardness, as_number("pressure", pressure))  # the hardness if NaN
+        bounded = min(material.hardness, one_load("pressure", pressure))  # the hardness if NaN
         share = expected_area_fraction(hm, material, bounded)
     problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary, share=share)
     goal = problem.prescribed(pressure, separation)

@@ -173,8 +173,8 @@ def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.Heigh
         band = (band[0] or None, band[1] if math.isfinite(band[1]) else None)
     hm = surfaces.prepare(
         hm,
-        level=None if level == "none" else level,
-        fill=None if args.fill == "none" else args.fill,
+        level=level,
+        fill=args.fill,
         outliers=args.outliers,
         bandpass=band,
         filter=args.filter,

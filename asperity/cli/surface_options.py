@@ -92,10 +92,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_preparation(peaks, fill="none")
     finding = peaks.add_argument_group("peaks")
     finding.add_argument("--above", type=LENGTH, metavar="D", help="only heights above this [m]")
-    finding.add_argument(
+    least = finding.add_mutually_exclusive_group()
+    least.add_argument(
         "--min-prominence", type=LENGTH, default=0.0, metavar="D", help="smallest prominence [m]"
     )
-    finding.add_argument(
+    least.add_argument(
         "--wolf",
         type=quantities.of("percentage"),
         metavar="PERCENT",

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 PICTURES = ("plot", "fans")
 """Options of pictures, whose format follows from the suffix."""
 
-SUFFIXES = tuple(".csv .h5 .html .jpg .npz .pdf .png .svg .txt .vti .xlsx".split())
+SUFFIXES = (".csv", ".h5", ".html", ".jpg", ".npz", ".pdf", ".png", ".svg", ".txt", ".vti", ".xlsx")
 """Suffixes of what commands write, and of what may be taken for a table: none is the name of
 another."""
 

@@ -223,7 +223,7 @@ class ContactCurve(CurveTable):
         held = storage.read_results(path, cls).curves
         if model is None and len(held) == 1:
             return next(iter(held.values()))
-        if model not in held:
+        if not isinstance(model, str) or model not in held:
             names = ", ".join(held) or "no curve"
             missing = "; name one (model=)" if model is None else f", and no curve {model!r}"
             raise FileFormatError(f"{path} holds {names}{missing if held else ''}")

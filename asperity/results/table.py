@@ -266,6 +266,7 @@ class CurveTable:
         numbers = [name for name, part in held.items() if part.dtype.kind in "biuf"]
         as_choice("x", x, numbers)
         as_choice("y", y, numbers)
+        as_truth("band", band)
         if ax is None:
             from matplotlib import pyplot
 

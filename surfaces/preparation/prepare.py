@@ -31,10 +31,10 @@ def prepare(
     hm
         The map as measured.
     level
-        F operator: None, ``mean``, ``plane``, ``quadratic``, ``cubic``, ``quartic``, ``quintic`` or
-        ``cylinder``; see `surfaces.level`.
+        F operator: None or ``none``, ``mean``, ``plane``, ``quadratic``, ``cubic``, ``quartic``,
+        ``quintic`` or ``cylinder``; see `surfaces.level`.
     fill
-        ``harmonic`` fills missing points; None leaves them missing.
+        ``harmonic`` fills missing points; None or ``none`` leaves them missing.
     outliers
         Robust standard deviations beyond which a point is a spike, or None to keep all points.
         Spikes become missing, and are filled with the rest.
@@ -68,13 +68,13 @@ def prepare(
     (True, ['self_affine', 'crop', 'level', 'periodic'])
     """
     require_map(hm)
-    if fill is not None:
-        as_choice("fill", fill, ("harmonic",))
+    level = as_choice("level", "none" if level is None else level, ("none", *levelling.FORMS))
+    fill = as_choice("fill", "none" if fill is None else fill, ("none", "harmonic"))
     if not 0.0 <= as_number("fill_limit", fill_limit) < 1.0:
         raise SurfaceError(f"fill_limit is {fill_limit}; it is a fraction from 0 to below 1")
     if bandpass is not None and np.shape(np.asarray(bandpass, dtype=object)) != (2,):
         raise SurfaceError(f"bandpass is {bandpass!r}; give (shortest, longest) wavelength in m")
-    if fill is None and fill_limit != 0.1:
+    if fill == "none" and fill_limit != 0.1:
         raise SurfaceError(
             f"fill_limit is {fill_limit} and nothing is filled: leave it out, or pass "
             'fill="harmonic" (--fill harmonic)'
@@ -84,11 +84,11 @@ def prepare(
             f"filter is {filter!r} and nothing is filtered: leave it out, or pass bandpass="
             "(shortest, longest) (--bandpass SHORT LONG)"
         )
-    if level is not None:
+    if level != "none":
         hm = levelling.level(hm, level)
     if outliers is not None:
         hm = mark_outliers(hm, outliers)
-    if fill is not None and (hm.missing or outliers is not None):
+    if fill != "none" and (hm.missing or outliers is not None):
         hm = filling.fill_missing(hm, limit=fill_limit)
     if bandpass is not None:
         hm = filtering.bandpass(hm, *bandpass, filter=filter)

@@ -49,6 +49,12 @@ def test_missing_points_without_fill(command, folder, capsys):
     assert "spike.h5 has 1 missing points of 768; pass --fill harmonic" in message
 
 
+def test_one_limit_of_the_prominence_of_peaks(folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    limits = ["--min-prominence", "1nm", "--wolf", "5"]
+    assert "not allowed with" in refusal(["surface", "peaks", "scan.h5", *limits], capsys)
+
+
 @pytest.mark.parametrize("command", MODELS)
 def test_constant_map(command, folder, capsys):
     surfaces.write(surfaces.HeightMap(np.full((16, 20), 2e-6), (1e-6, 1e-6)), folder / "flat.h5")

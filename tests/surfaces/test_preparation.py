@@ -184,8 +184,9 @@ def test_history_has_one_step_per_thing_done() -> None:
 
 def test_nothing_asked_nothing_done() -> None:
     hm = noise()
-    same = surfaces.prepare(hm, level=None, fill=None)
-    assert same.digest == hm.digest and same.history == ()
+    for nothing in (None, "none"):
+        same = surfaces.prepare(hm, level=nothing, fill=nothing)
+        assert same.digest == hm.digest and same.history == ()
 
 
 @pytest.mark.parametrize(

@@ -254,7 +254,8 @@ def test_stagnation_is_not_convergence(monkeypatch):
     [
         ({}, "exactly one of pressure and separation"),
         ({"pressure": 1.0, "separation": 1.0}, "exactly one of pressure and separation"),
-        ({"pressure": [1.0, 2.0]}, "must be a number"),
+        ({"pressure": [1.0, 2.0]}, "give one number, or all of them to bem_curve"),
+        ({"separation": np.ones(2)}, "give one number, or all of them to bem_curve"),
         ({"pressure": 10**400}, "must be a number"),
         ({"pressure": -1.0}, "not negative"),
         ({"pressure": np.nan}, "finite mean pressure"),

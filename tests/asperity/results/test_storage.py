@@ -45,8 +45,9 @@ def test_tables_maps_and_facts_come_back(tmp_path):
     np.testing.assert_array_equal(back.maps["contact"], np.eye(4, 6, dtype=bool))
     assert set(back.about.pop("made")) == {"date", "command", "versions"}
     assert back.about == held.about
-    with pytest.raises(FileFormatError, match="holds a, b"):
-        ContactCurve.from_hdf5(tmp_path / "r.h5")
+    for name in (None, ["a"]):
+        with pytest.raises(FileFormatError, match="holds a, b"):
+            ContactCurve.from_hdf5(tmp_path / "r.h5", name)
 
 
 def test_a_file_that_is_read_and_written_is_the_same_to_the_byte(tmp_path):

@@ -280,6 +280,8 @@ def test_a_figure_without_axes_has_its_own_and_no_band_if_none_is_wanted(curve):
 def test_a_word_is_no_switch(curve):
     with pytest.raises(InputError, match="dimensionless is 'no'; it must be True or False"):
         curve.columns(dimensionless="no")
+    with pytest.raises(InputError, match="band is 'no'; it must be True or False"):
+        curve.plot(band="no")
 
 
 def test_a_notebook_shows_table_figure_and_reason_escaped(curve):
