@@ -16,8 +16,8 @@ from surfaces.files.atomic import make_folder, replacing, require_replaceable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PICTURES = ("plot", "fans")
-"""Options of pictures, whose format follows from the suffix."""
+PICTURE = ".png"
+"""Suffix of a picture without one; the format of a picture follows from its suffix."""
 
 SUFFIXES = (".csv", ".h5", ".html", ".jpg", ".npz", ".pdf", ".png", ".svg", ".txt", ".vti", ".xlsx")
 """Suffixes of what commands write, and of what may be taken for a table: none is the name of
@@ -136,7 +136,7 @@ def require(
             elif resumes:
                 remedy += ", and with --resume the results are kept"
             require_place(file, args.force or (resumes and option == "output"), remedy)
-            if option in PICTURES:
+            if target.suffix == PICTURE:
                 _require_picture(file)
             elif target.suffix:
                 _require_suffix(file, target)

@@ -20,6 +20,7 @@ from asperity.results.storage import structured
 from surfaces.heightmap import HeightMap
 
 __all__ = [
+    "ERRORS",
     "LOOSE_TOLERANCE",
     "coarse_grids",
     "coarse_run",
@@ -33,7 +34,8 @@ __all__ = [
 LOOSE_TOLERANCE = 1e-2
 """Tolerance of the cheap boundary-element runs; looser saves little, tighter changes nothing."""
 
-ERRORS = ("load_error", "area_error", "separation_error")
+ERRORS: tuple[str, ...] = ("load_error", "area_error", "separation_error")
+"""Columns of errors in the tables of a comparison."""
 
 SMALLEST_GRID = 48
 """Coarse boundary-element grids stop here."""

@@ -16,6 +16,8 @@ from asperity.results.storage import ResultFile, write_results
 from surfaces.drawing import with_unit
 from surfaces.heightmap import HeightMap
 
+from .other_grids import ERRORS
+
 __all__ = ["PARETO_TYPE", "ComparisonRecord"]
 
 PARETO_TYPE = np.dtype(
@@ -23,11 +25,7 @@ PARETO_TYPE = np.dtype(
         ("model", "U16"),
         ("ny", np.int64),
         ("nx", np.int64),
-        ("tolerance", np.float64),
-        ("seconds", np.float64),
-        ("load_error", np.float64),
-        ("area_error", np.float64),
-        ("separation_error", np.float64),
+        *((name, np.float64) for name in ("tolerance", "seconds", *ERRORS)),
     ]
 )
 
@@ -37,9 +35,7 @@ TABLE_COLUMNS = (
     "area_model",
     "separation_bem",
     "separation_model",
-    "load_error",
-    "area_error",
-    "separation_error",
+    *ERRORS,
     "contacts_bem",
     "contacts_model",
 )

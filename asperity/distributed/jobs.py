@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import asperity
 import surfaces
-from asperity import __version__
 from asperity.compilation import CURVE
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
@@ -29,12 +29,12 @@ from surfaces.heightmap import HeightMap
 __all__ = ["METHODS", "Job", "Jobs", "Surface", "method"]
 
 METHODS = {
-    "curve": CURVE,
-    "bem": ("bem",),
-    "solve": (*CURVE, "bem"),
+    "curve": ("contact_curve", CURVE),
+    "bem": ("bem_curve", ("bem",)),
+    "solve": ("solve", (*CURVE, "bem")),
 }
-"""What solves a job, the default first: `contact_curve`, `bem_curve` or `solve`; and the parts that
-are compiled for it (`asperity.compilation`)."""
+"""What solves a job, the default first: the public function, and the parts that are compiled for it
+(`asperity.compilation`)."""
 
 OWN = {"hm", "material", "plan", "progress", "checkpoint", "judge"}
 """Arguments of the methods that a sweep sets, or that cannot be told from others."""
@@ -97,7 +97,7 @@ class Jobs:
         require_half_space(material)
         chosen = _chosen(settings)
         told = [self._plain(surface.load), asdict(material), self._plain(chosen, files=False)]
-        text = json.dumps([*told, __version__], sort_keys=True)
+        text = json.dumps([*told, asperity.__version__], sort_keys=True)
         return Job(surface, material, chosen, hashlib.sha256(text.encode()).hexdigest()[:16])
 
     def product(self, given: Any, materials: Any, settings: Any) -> list[Job]:
@@ -196,17 +196,8 @@ class Jobs:
 
 def method(name: str) -> Callable[..., Any]:
     """The function that solves a job."""
-    if name == "bem":
-        from asperity.bem.curve import bem_curve
-
-        return bem_curve
-    if name == "solve":
-        from asperity.engine.solve import solve
-
-        return solve
-    from asperity.curve import contact_curve
-
-    return contact_curve
+    found: Callable[..., Any] = getattr(asperity, METHODS[name][0])
+    return found
 
 
 def _chosen(given: Any) -> dict[str, Any]:

@@ -134,7 +134,7 @@ def run(
             yield job, known
     if left:
         parts = [
-            part for name in {job.settings["method"] for job in left} for part in METHODS[name]
+            part for name in {job.settings["method"] for job in left} for part in METHODS[name][1]
         ]
         if any(job.material.hardness < math.inf for job in left):
             parts += HARD
