@@ -56,21 +56,33 @@ def map_cases() -> Iterator[Case]:
 
 def _units() -> Iterator[Case]:
     """Modulus, lengths and slopes: the same answer in other units."""
-    base = Question.of(rough())
+    scaling = partial(_alike, "scaling", Question.of(rough()))
+    for modulus in MODULI:
+        other = Question.of(rough(), HalfSpace.from_modulus(modulus))
+        yield from scaling(other, "moduli", f"{modulus:g} Pa", pressure=modulus / 1e9)
+    for length in LENGTHS:
+        other = Question.of(rough(pixel=length))
+        yield from scaling(other, "lengths", f"{length:g} m", length=length / UNIT)
+    for slope in SLOPES:
+        other, factor = Question.of(rough(slope=slope)), slope / 0.1
+        yield from scaling(other, "slopes", f"{slope:g}", length=factor, pressure=factor)
+
+
+def _alike(
+    against: str, question: Question, other: Question, theme: str, name: str, **units: float
+) -> Iterator[Case]:
+    """Two questions of one answer, to every engine; `units` are those of `alike`."""
     for engine in ENGINES:
-        for modulus in MODULI:
-            other = Question.of(rough(), HalfSpace.from_modulus(modulus))
-            judge = partial(alike, engine, base, other, pressure=modulus / 1e9)
-            yield Case("moduli", f"{modulus:g} Pa", engine, "scaling", judge)
-        for length in LENGTHS:
-            other = Question.of(rough(pixel=length))
-            judge = partial(alike, engine, base, other, length=length / UNIT)
-            yield Case("lengths", f"{length:g} m", engine, "scaling", judge)
-        for slope in SLOPES:
-            other = Question.of(rough(slope=slope))
-            factor = slope / 0.1
-            judge = partial(alike, engine, base, other, length=factor, pressure=factor)
-            yield Case("slopes", f"{slope:g}", engine, "scaling", judge)
+        judge = partial(alike, engine, question, other, **units)
+        yield Case(theme, name, engine, against, judge)
+
+
+def _bounded(question: Question, theme: str, name: str) -> Iterator[Case]:
+    """Boundary elements by displacements of another code, the other engines by their bounds."""
+    yield Case(theme, name, BEM, "certificate", partial(certified, question))
+    for engine in ENGINES:
+        if engine != BEM:
+            yield Case(theme, name, engine, "stated error", partial(bounded, engine, question))
 
 
 def _symmetries() -> Iterator[Case]:
@@ -86,26 +98,20 @@ def _symmetries() -> Iterator[Case]:
         "moved": hm.replace(heights=np.roll(heights, (7, 31), (0, 1))),
         "rounding": hm.replace(heights=heights + tiny),
     }
-    for engine in ENGINES:
-        for name, other in changed.items():
-            judge = partial(alike, engine, question, question.on(other))
-            yield Case("same surface", name, engine, "symmetry", judge)
-        for offset in OFFSETS:
-            raised = heights + offset * rms
-            lowered = question.on(hm.replace(heights=raised - offset * rms))  # what is left of it
-            judge = partial(alike, engine, lowered, question.on(hm.replace(heights=raised)))
-            yield Case("offset of heights", f"{offset:g} rms heights", engine, "symmetry", judge)
+    for name, other in changed.items():
+        yield from _alike("symmetry", question, question.on(other), "same surface", name)
+    for offset in OFFSETS:
+        raised, name = heights + offset * rms, f"{offset:g} rms heights"
+        lowered = question.on(hm.replace(heights=raised - offset * rms))  # what is left of it
+        lifted = question.on(hm.replace(heights=raised))
+        yield from _alike("symmetry", lowered, lifted, "offset of heights", name)
 
 
 def _materials() -> Iterator[Case]:
-    """Gradings: boundary elements by displacements of another code, the others by their bounds."""
+    """Gradings."""
     for m in GRADINGS:
         question = Question.of(rough(), HalfSpace.from_modulus(1e9 * UNIT**-m, m))
-        yield Case("grading", f"m = {m}", BEM, "certificate", partial(certified, question))
-        for engine in ENGINES:
-            if engine != BEM:
-                judge = partial(bounded, engine, question)
-                yield Case("grading", f"m = {m}", engine, "stated error", judge)
+        yield from _bounded(question, "grading", f"m = {m}")
 
 
 def _grids() -> Iterator[Case]:
@@ -120,9 +126,7 @@ def _grids() -> Iterator[Case]:
         turned = HeightMap(hm.heights.T, hm.spacing[::-1], periodic=True)
         theme = "pixels" if name.startswith("pixel") else "grids"
         yield Case(theme, name, BEM, "certificate", partial(certified, question))
-        for engine in ENGINES:
-            judge = partial(alike, engine, question, question.on(turned))
-            yield Case(theme, name, engine, "symmetry", judge)
+        yield from _alike("symmetry", question, question.on(turned), theme, name)
 
 
 def _small(shape: tuple[int, int]) -> HeightMap:
@@ -223,13 +227,7 @@ def _textures() -> Iterator[Case]:
     for name, heights in TEXTURES.items():
         for boundary in ("periodic", "free"):
             hm = HeightMap(0.1 * UNIT * heights(), (UNIT, UNIT), periodic=boundary == "periodic")
-            question = _of_texture(hm)
-            label = f"{name}, {boundary}"
-            yield Case("textures", label, BEM, "certificate", partial(certified, question))
-            for engine in ENGINES:
-                if engine != BEM:
-                    judge = partial(bounded, engine, question)
-                    yield Case("textures", label, engine, "stated error", judge)
+            yield from _bounded(_of_texture(hm), "textures", f"{name}, {boundary}")
     missing = rough_heights()
     missing[20:23] = np.nan
     question = Question(HeightMap(missing, (UNIT, UNIT)), HalfSpace.from_modulus(1e9), np.ones(1))
