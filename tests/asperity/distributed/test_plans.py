@@ -55,7 +55,7 @@ def test_an_interrupted_command_says_how_to_go_on(here, maps, tmp_path, monkeypa
         return solve(hm, *args, **kwargs)
 
     with monkeypatch.context() as once:
-        once.setattr("asperity.curve.contact_curve", interrupted)
+        once.setattr("asperity.contact_curve", interrupted)
         assert main(call) == 130
     assert "the same again goes on where this ended" in capsys.readouterr().err
     assert asperity.Sweep.read("out").table["state"][1] == "waiting"
@@ -81,7 +81,7 @@ def test_workers_in_another_folder_know_the_memory_and_the_second_surface(
         left.append(available_bytes())
         return solve(*args, **kwargs)
 
-    monkeypatch.setattr("asperity.curve.contact_curve", watched)
+    monkeypatch.setattr("asperity.contact_curve", watched)
     monkeypatch.setattr("asperity.distributed.sweep.run_jobs", elsewhere)
     call = ["sweep", "maps/m0.h5", "--against", "maps/m1.h5", "--E", "210GPa", "--pressure", "1GPa"]
     assert main([*call, "--memory", "3GiB", "-o", "out", "--json"]) == 0, capsys.readouterr()
