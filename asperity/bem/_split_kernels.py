@@ -109,6 +109,7 @@ def _spread_row(
 ) -> None:
     """Spread the points of one row along x; `dense` and `wide` are scratch."""
     nxc = row.size
+    wide[:] = np.float32(0.0)
     if whole and columns.size * _DENSE > nxc:
         width = nxc + 2 * TAPS
         dense[:] = np.float32(0.0)
@@ -116,31 +117,22 @@ def _spread_row(
             place = np.uint64(columns[k])
             place = (place % _FOUR) * np.uint64(width) + place // _FOUR + np.uint64(TAPS)
             dense[place] = values[k]
-        wide[:] = np.float32(0.0)
         for phase in range(COARSENING):
             a, b = weight_x[phase, 0], weight_x[phase, 1]
             c, d = weight_x[phase, 2], weight_x[phase, 3]
             own = dense[phase * width :]
             for x in range(nxc + TAPS):
                 wide[x] += a * own[x + 4] + b * own[x + 3] + c * own[x + 2] + d * own[x + 1]
-        shift = first_x[0]
-        for x in range(nxc - shift):
-            row[shift + x] = wide[x]
-        for x in range(shift):
-            row[x] = wide[nxc - shift + x]
-        for x in range(TAPS):
-            row[(nxc + x + shift) % nxc] += wide[nxc + x]
-        return
-    row[:] = np.float32(0.0)
-    for k in range(columns.size):
-        x = columns[k]
-        first, value = first_x[x], values[k]
-        if first + TAPS <= nxc:
+    else:
+        for k in range(columns.size):
+            x = columns[k]
             for t in range(TAPS):
-                row[first + t] += weight_x[x, t] * value
-        else:
-            for t in range(TAPS):
-                row[(first + t) % nxc] += weight_x[x, t] * value
+                wide[first_x[x] + 1 + t] += weight_x[x, t] * values[k]
+    for x in range(nxc):
+        row[x] = wide[x + 1]
+    row[nxc - 1] += wide[0]
+    for x in range(TAPS - 1):
+        row[x % nxc] += wide[nxc + 1 + x]
 
 
 @compiled(fastmath=SUMS)
@@ -158,8 +150,9 @@ def spread(
 ) -> None:
     """Spread the listed values on rows of the coarse grid by B-splines, along x, then along y.
 
-    `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse row, filled up with weights of
-    zero. `whole` says that there are just 4 fine columns to a coarse one: then the weights repeat,
+    `first_x` is -1 or more: points before and after a row of the coarse grid are those at its other
+    end. `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse row, filled up with
+    weights of zero. `whole` says that there are just 4 fine columns to a coarse one: then the weights repeat,
     and a row with many points is spread phase by phase. A row is kept while coarse rows that follow
     want it.
     """
@@ -202,47 +195,38 @@ def gather(
     """Add the coarse field (nyc, nxc), interpolated by B-splines, to the result at the points of
     some rows.
 
-    `coarse` may be wider; `whole` as in `spread`.
+    `coarse` may be wider; `first_y`, `first_x` and `whole` as in `spread`.
     """
     nyc = coarse.shape[0]
     dense = np.empty(COARSENING * nxc, np.float32)
-    wide, row = np.empty(nxc + TAPS, np.float32), np.empty(nxc, np.float32)
+    row = np.empty(nxc + TAPS, np.float32)
     for y in range(rows[0], rows[1]):
         n = start[y + 1] - start[y]
         if n == 0:
             continue
         first = first_y[y]
         a, b, c, d = weight_y[y, 0], weight_y[y, 1], weight_y[y, 2], weight_y[y, 3]
-        c0, c1 = coarse[first], coarse[(first + 1) % nyc]
+        c0, c1 = coarse[first % nyc], coarse[(first + 1) % nyc]
         c2, c3 = coarse[(first + 2) % nyc], coarse[(first + 3) % nyc]
         for x in range(nxc):
-            row[x] = a * c0[x] + b * c1[x] + c * c2[x] + d * c3[x]
+            row[x + 1] = a * c0[x] + b * c1[x] + c * c2[x] + d * c3[x]
+        row[0] = row[nxc]
+        for x in range(TAPS - 1):
+            row[nxc + 1 + x] = row[1 + x % nxc]
         if whole and n * _DENSE > nxc:
-            shift = first_x[0]
-            for x in range(nxc - shift):
-                wide[x] = row[shift + x]
-            for x in range(shift):
-                wide[nxc - shift + x] = row[x]
-            for x in range(TAPS):
-                wide[nxc + x] = wide[x]
             for phase in range(COARSENING):
                 a, b = weight_x[phase, 0], weight_x[phase, 1]
                 c, d = weight_x[phase, 2], weight_x[phase, 3]
                 own = dense[phase * nxc :]
                 for x in range(nxc):
-                    own[x] = a * wide[x] + b * wide[x + 1] + c * wide[x + 2] + d * wide[x + 3]
+                    own[x] = a * row[x] + b * row[x + 1] + c * row[x + 2] + d * row[x + 3]
             for k in range(start[y], start[y + 1]):
                 place = np.uint64(columns[k])
                 result[k] += dense[(place % _FOUR) * np.uint64(nxc) + place // _FOUR]
             continue
         for k in range(start[y], start[y + 1]):
             x = columns[k]
-            first = first_x[x]
             total = np.float32(0.0)
-            if first + TAPS <= nxc:
-                for t in range(TAPS):
-                    total += weight_x[x, t] * row[first + t]
-            else:
-                for t in range(TAPS):
-                    total += weight_x[x, t] * row[(first + t) % nxc]
+            for t in range(TAPS):
+                total += weight_x[x, t] * row[first_x[x] + 1 + t]
             result[k] += total

@@ -121,12 +121,13 @@ class SplitOperator:
 
 
 def _taps(count: int, period: int, coarse: int) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """First coarse point and weights (count, order) of each point of the fine grid on one axis."""
+    """First coarse point, -1 or more, and weights (count, order) of each point of the fine grid on
+    one axis; the coarse points repeat."""
     place = np.arange(count) * (coarse / period)
     first = np.floor(place - 0.5 * TAPS).astype(np.int64) + 1
     spline = BSpline.basis_element(np.arange(TAPS + 1) - 0.5 * TAPS)
     weights = spline(place[:, None] - (first[:, None] + np.arange(TAPS)))
-    return first % coarse, weights.astype(np.float32)
+    return first, weights.astype(np.float32)
 
 
 def _transposed(
