@@ -40,40 +40,26 @@ def contact_sums(
     lowest, highest = np.inf, -np.inf
     for y in range(rows[0], rows[1]):
         for b in range(block_low.shape[1]):
-            low, open_low, high, peak = np.inf, np.inf, -np.inf, 0.0
-            load = above = 0.0
-            local = local_held = marked = 0
-            sum_gap = sum_work = sum_moment = sum_held = 0.0
+            low, marked = np.inf, 0
             for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
                 u = displacement[y, x]
                 gap = u - heights[y, x]
                 p = pressure[y, x]
                 below = p < cap
                 low = min(low, gap)
-                open_low = min(open_low, gap if below else np.inf)
-                high = max(high, -np.inf if below else gap)
-                peak = max(peak, abs(u))
-                load += p
-                above += max(p - cap, 0.0)
-                sum_work += p * gap if below else 0.0
-                sum_held += 0.0 if below else gap
-                sum_moment += p * u
+                lowest = min(lowest, gap if below else np.inf)
+                highest = max(highest, -np.inf if below else gap)
+                largest = max(largest, abs(u))
+                total += p
+                excess += max(p - cap, 0.0)
+                work += p * gap if below else 0.0
+                held_sum += 0.0 if below else gap
+                moment += p * u
                 touching = (p > 0.0) & below
-                local += touching
-                local_held += not below
+                count += touching
+                held += not below
                 marked += p != 0.0
-                sum_gap += gap if touching else 0.0
-            count += local
-            held += local_held
-            held_sum += sum_held
-            excess += above
-            gap_sum += sum_gap
-            total += load
-            work += sum_work
-            moment += sum_moment
-            lowest = min(lowest, open_low)
-            highest = max(highest, high)
-            largest = max(largest, peak)
+                gap_sum += gap if touching else 0.0
             block_low[y, b] = low if marked == 0 else -np.inf
     sums = count, gap_sum, work, total, moment, held, held_sum, excess
     return (*sums, lowest, highest, largest)
