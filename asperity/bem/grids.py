@@ -13,6 +13,7 @@ from surfaces.numerics import parallel
 from surfaces.preparation.resampling import resample_waves
 
 from ._grid_kernels import interpolate
+from .correction import NestedGrid
 
 __all__ = ["coarse_maps", "nested_shapes", "prolong"]
 
@@ -66,26 +67,22 @@ def coarse_maps(
 
 
 def prolong(
-    coarse: NDArray[np.float64],
-    shape: tuple[int, int],
-    fine: NDArray[np.float64],
-    fine_shape: tuple[int, int],
-    boundary: Boundary,
-    mean: float,
-    origin: tuple[int, int] = (0, 0),
+    coarse: NestedGrid, fine: NestedGrid, mean: float, origin: tuple[int, int] = (0, 0)
 ) -> None:
     """Bilinear interpolation of a coarse pressure into a finer grid, scaled to a mean, if any.
 
-    Both arrays may be larger than their maps. The coarse map of a periodic cell begins at the row
-    and column `origin` of the finer one.
+    The coarse map of a periodic cell begins at the row and column `origin` of the finer one.
     """
-    rows = _places(shape[0], fine_shape[0], boundary, origin[0])
-    columns = _places(shape[1], fine_shape[1], boundary, origin[1])
+    shape, fine_shape = coarse.heights.shape, fine.heights.shape
+    rows, columns = (
+        _places(*axis, fine.exact.boundary) for axis in zip(shape, fine_shape, origin, strict=True)
+    )
     # each coarse value times the shares of all fine points in it: the sum of the fine pressure
     down, across = (_shares(n, *axis) for n, axis in zip(shape, (rows, columns), strict=True))
-    total = float(down @ coarse[: shape[0], : shape[1]] @ across)
-    factor = mean * fine_shape[0] * fine_shape[1] / total if mean > 0.0 and total > 0.0 else 1.0
-    parallel.by_rows(interpolate, fine_shape, coarse, fine, *rows, *columns, factor)
+    total = float(down @ coarse.pressure @ across)
+    factor = mean * fine.heights.size / total if mean > 0.0 and total > 0.0 else 1.0
+    pressures = coarse.exact.pressure, fine.exact.pressure
+    parallel.by_rows(interpolate, fine_shape, *pressures, *rows, *columns, factor)
 
 
 def _shares(
@@ -96,7 +93,7 @@ def _shares(
 
 
 def _places(
-    n: int, count: int, boundary: Boundary, first: int
+    n: int, count: int, first: int, boundary: Boundary
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Coarse points below and above each point of the fine grid along one axis, and their shares.
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from asperity.errors import InputError
 from asperity.halfspace.load_points import Boundary
-from surfaces.numerics.memory import available_bytes
+from surfaces.numerics import memory
 
 __all__ = ["estimated_bytes", "fits", "require_memory"]
 
@@ -28,14 +27,13 @@ def estimated_bytes(shape: tuple[int, int], boundary: Boundary, share: float | N
 
 def fits(shape: tuple[int, int], boundary: Boundary, copies: int) -> bool:
     """Whether several solutions at the same time fit in the memory that is available."""
-    return copies * estimated_bytes(shape, boundary) <= available_bytes()
+    return copies * estimated_bytes(shape, boundary) <= memory.available_bytes()
 
 
 def require_memory(shape: tuple[int, int], boundary: Boundary, share: float | None = None) -> None:
     """Refuse a grid that will not fit, at moderate contact or at a `share` of the area."""
-    need, free = estimated_bytes(shape, boundary, share), available_bytes()
-    if need > free:
-        raise InputError(
-            f"a {boundary} grid of {shape[0]} x {shape[1]} needs about {need / 2**30:.1f} GiB and "
-            f"{free / 2**30:.1f} GiB are available; take fewer points, or bem_curve(accuracy=...)"
-        )
+    memory.require_memory(
+        estimated_bytes(shape, boundary, share),
+        f"a {boundary} grid of {shape[0]} x {shape[1]} points",
+        "take fewer points, or bem_curve(accuracy=...)",
+    )

@@ -188,15 +188,7 @@ class ContactProblem:
         """First pressure of a grid, of this mean: from the coarser grid if there is one, which
         begins at the point `origin` of it."""
         if coarse is not None:
-            prolong(
-                coarse.exact.pressure,
-                coarse.heights.shape,
-                grid.exact.pressure,
-                grid.heights.shape,
-                self.boundary,
-                mean,
-                origin,
-            )
+            prolong(coarse, grid, mean, origin)
         elif goal.level is not None and math.isinf(grid.cap):
             highest = np.unravel_index(grid.heights.argmax(), grid.heights.shape)
             grid.pressure[highest] = mean * grid.heights.size
