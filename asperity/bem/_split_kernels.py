@@ -152,9 +152,9 @@ def spread(
 
     `first_x` is -1 or more: points before and after a row of the coarse grid are those at its other
     end. `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse row, filled up with
-    weights of zero. `whole` says that there are just 4 fine columns to a coarse one: then the weights repeat,
-    and a row with many points is spread phase by phase. A row is kept while coarse rows that follow
-    want it.
+    weights of zero. `whole` says that there are just 4 fine columns to a coarse one: then the
+    weights repeat, and a row with many points is spread phase by phase. A row is kept while coarse
+    rows that follow want it.
     """
     nxc = coarse.shape[1]
     dense = np.empty(COARSENING * (nxc + 2 * TAPS), np.float32)

@@ -10,20 +10,7 @@ from __future__ import annotations
 from numba import carray, types
 
 from surfaces.numerics.compiled import inner
-from surfaces.numerics.vectors import (
-    loader,
-    multiply_add,
-    on_stack,
-    repeater,
-    store,
-)
-
-__all__ = [
-    "LANES",
-    "RADIUS",
-    "SHORT_RADIUS",
-    "tile",
-]
+from surfaces.numerics.vectors import loader, multiply_add, on_stack, repeater, store
 
 RADIUS = 7
 SHORT_RADIUS = 4

@@ -52,10 +52,9 @@ class SplitOperator:
         self._remainder = convolution.plan(
             (nyc, nxc), (nyc, nxc), dtype=np.float32, scratch=scratch
         )
-        self._first_y, self._weight_y = _taps(ny, exact.padded[0], nyc)
-        self._first_x, self._weight_x = _taps(nx, exact.padded[1], nxc)
+        self._down, self._across = _taps(ny, exact.padded[0], nyc), _taps(nx, exact.padded[1], nxc)
         self._whole = exact.padded[1] == COARSENING * nxc
-        self._rows_of, self._weight_of = _transposed(self._first_y, self._weight_y, nyc)
+        self._up = _transposed(*self._down, nyc)
         self._symbol = _remainder(exact, stencil, (nyc, nxc))
 
     def bind(self, points: ContactList) -> None:
@@ -91,10 +90,8 @@ class SplitOperator:
             points.start,
             points.columns,
             pressure,
-            self._first_x,
-            self._weight_x,
-            self._rows_of,
-            self._weight_of,
+            *self._across,
+            *self._up,
             self._whole,
             coarse.values,
         )
@@ -105,10 +102,8 @@ class SplitOperator:
             points.start,
             points.columns,
             coarse.grid,
-            self._first_y,
-            self._weight_y,
-            self._first_x,
-            self._weight_x,
+            *self._down,
+            *self._across,
             coarse.values.shape[1],
             self._whole,
             result,
