@@ -23,9 +23,6 @@ from surfaces.errors import FileFormatError
 from ._damage import DAMAGED, brief, naming_damage
 from ._schema import read_header
 
-__all__ = ["HEIGHTS", "find", "opened", "require_sound", "survives"]
-
-
 HEIGHTS = "heights"
 
 CPU_SECONDS = 3

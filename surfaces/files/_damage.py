@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import zipfile
 import zlib
@@ -12,8 +13,6 @@ from tokenize import TokenError
 from xml.parsers.expat import ExpatError
 
 from surfaces.errors import AsperityError, FileFormatError
-
-__all__ = ["DAMAGED", "brief", "damaged", "naming_damage"]
 
 DAMAGED = (
     ArithmeticError,
@@ -36,28 +35,28 @@ DAMAGED = (
 """Errors of NumPy, h5py, zipfile and the readers of instruments' files, by experience with mutated
 files."""
 
-
-def damaged(path: Path, error: Exception, hint: str = "") -> FileFormatError:
-    """One sentence about a file of which a library raised an error."""
-    reason = " ".join(f"{type(error).__name__}: {error}".split())[:120]
-    return FileFormatError(f"{path}: damaged, or not as its format says ({reason}){hint}")
+_OF_HDF5 = re.compile(r"\W*(?:Unable to|Can't) [^(]*\((.*)\)")
 
 
 @contextmanager
-def naming_damage(path: Path, what: str, thing: str = "file") -> Iterator[None]:
-    """Turn what a library raises on a damaged file into one sentence about it."""
+def naming_damage(
+    path: Path,
+    what: str = "damaged, or not as its format says",
+    hint: str = "; copy it again from its source",
+    also: tuple[type[Exception], ...] = (),
+) -> Iterator[None]:
+    """Turn what a library raises on a damaged file, or `also` raises, into one sentence about it,
+    which ends with a hint."""
     try:
         yield
     except AsperityError:
         raise
-    except DAMAGED as error:
-        raise FileFormatError(
-            f"{path}: {what} ({brief(error)}); copy the {thing} again from its source"
-        ) from error
+    except DAMAGED + also as error:
+        raise FileFormatError(f"{path}: {what} ({brief(error)}){hint}") from error
 
 
 def brief(error: BaseException) -> str:
-    """The reason inside a message of h5py or Zarr, on one line."""
+    """The reason of an error on one line; that of HDF5 stands in brackets behind what it did."""
     text = " ".join(str(error).split())
-    inner = text[text.find("(") + 1 : text.rfind(")")] if "(" in text else text
-    return inner[:120] or type(error).__name__
+    inside = _OF_HDF5.match(text)
+    return (inside[1] if inside else text)[:120] or type(error).__name__

@@ -21,8 +21,6 @@ try:  # the interface of zlib, and twice as fast
 except ImportError:
     import zlib as _deflate  # type: ignore[no-redef]
 
-__all__ = ["FILTERS", "chunk_of", "has_packed_chunks", "packed", "unpacked"]
-
 zlib: Any = _deflate
 
 _LEVEL = 2

@@ -16,19 +16,6 @@ from surfaces.units import metres_per
 
 from ._damage import DAMAGED, brief
 
-__all__ = [
-    "SCHEMA",
-    "Chunks",
-    "Fault",
-    "Header",
-    "array_faults",
-    "header_of",
-    "plain",
-    "read_header",
-    "stated_value",
-    "truth",
-]
-
 Tell = Callable[..., None]
 """Adds a fault of a dataset to those found: its text without the name, and whether it is fatal."""
 

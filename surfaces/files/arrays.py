@@ -14,12 +14,12 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import FileFormatError, InputError, as_text, checked_spacing, shown
+from surfaces.errors import FileFormatError, as_text, checked_spacing, shown
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
-from ._damage import DAMAGED
+from ._damage import naming_damage
 from ._schema import other_spacing, stated_value, truth
 from .atomic import replacing
 from .columns import gridded
@@ -50,10 +50,8 @@ def read_npy(
 ) -> HeightMap:
     """Heights from an npy file; `unit` and `spacing` must be given."""
     require_unnamed(path, dataset)
-    try:
+    with naming_damage(path, "damaged or not a plain npy array"):
         array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except DAMAGED as error:
-        raise FileFormatError(f"{path}: damaged or not a plain npy array ({error})") from error
     return as_map(array, path, unit, spacing, {})
 
 
@@ -61,7 +59,7 @@ def read_npz(
     path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
 ) -> HeightMap:
     """Heights from one array of an npz file; arrays ``unit`` and ``spacing`` in it are used."""
-    try:
+    with naming_damage(path, "damaged or not a plain npz file"):
         with zipfile.ZipFile(path) as archive:
             names = [name.removesuffix(".npy") for name in archive.namelist()]
             for name in archive.namelist():
@@ -69,10 +67,6 @@ def read_npz(
                     _check_npy_header(member, archive.getinfo(name).file_size, name)
         with np.load(path, allow_pickle=False) as arrays:
             return named_map(names, arrays, path, dataset, unit, spacing)
-    except InputError:
-        raise
-    except DAMAGED as error:
-        raise FileFormatError(f"{path}: damaged or not a plain npz file ({error})") from error
 
 
 def named_map(
@@ -228,8 +222,10 @@ def as_map(
     unit: str | None,
     spacing: ArrayLike | None,
     stated: dict[str, Any],
+    **origin: str,
 ) -> HeightMap:
-    """The map of an array from what a file states of it and what the caller says."""
+    """The map of an array from what a file states of it and what the caller says; its history
+    begins with the file, its unit and the rest of its `origin`."""
     if array.dtype.kind not in "fiu" or array.ndim != 2:
         raise FileFormatError(
             f"{path}: holds {array.dtype} of shape {array.shape}; heights are real numbers, 2-D"
@@ -237,7 +233,6 @@ def as_map(
     chosen = chosen_unit(path, stated.get("unit"), unit)
     pixel = chosen_spacing(path, stated.get("spacing"), spacing)
     require_memory(24 * array.size, f"{path}: a map of {array.shape}", "crop it first")
-    origin = {"step": "read", "file": path.name, "unit": chosen}
     with np.errstate(all="ignore"):
         heights = np.asarray(array, dtype=np.float64) * metres_per(chosen)
     return HeightMap(
@@ -245,7 +240,7 @@ def as_map(
         pixel,
         periodic=_periodic(stated.get("periodic", False), path),
         name=str(stated.get("name") or path.stem),
-        history=(origin,),
+        history=({"step": "read", "file": path.name, **origin, "unit": chosen},),
     )
 
 

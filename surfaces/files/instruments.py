@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from surfaces.errors import FileFormatError, InputError
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
-from ._damage import DAMAGED, damaged
-from .arrays import chosen_spacing, require_unnamed
+from ._damage import DAMAGED, naming_damage
+from .arrays import as_map, chosen_spacing, require_unnamed
 
 __all__ = ["SDF_SIGNATURES", "read_instrument", "read_sdf", "read_x3p"]
 
@@ -39,10 +39,8 @@ def read_sdf(
     import sdfio
 
     require_unnamed(path, dataset)
-    try:
+    with naming_damage(path):
         file = sdfio.read(path)
-    except DAMAGED as error:
-        raise damaged(path, error) from error
     header = file.header
     if not header.z_scale > 0.0:
         raise FileFormatError(f"{path}: Zscale is {header.z_scale}; it must be positive, in m")
@@ -50,7 +48,8 @@ def read_sdf(
         before_trailer = b"*".join(path.read_bytes().split(b"*")[:2])
         if strange := _NUMBER_OF_PYTHON.search(before_trailer):
             raise FileFormatError(f"{path}: holds {strange[1].decode()!r}, which is no number")
-    return _stated(path, unit, spacing, file.data, (header.y_scale, header.x_scale), "SDF")
+    stated = {"unit": "m", "spacing": (header.y_scale, header.x_scale)}
+    return as_map(file.data, path, unit, spacing, stated, format="SDF")
 
 
 def read_x3p(
@@ -59,14 +58,10 @@ def read_x3p(
     """Heights [m] of one layer of an X3P file, the first if `dataset` is None."""
     import x3pio
 
-    try:
-        stated = x3pio.info(path)
-        _require_room(path, stated.layer_count * math.prod(stated.shape))
+    with naming_damage(path):
+        content = x3pio.info(path)
+        _require_room(path, content.layer_count * math.prod(content.shape))
         file = x3pio.read(path)
-    except InputError:
-        raise
-    except DAMAGED as error:
-        raise damaged(path, error) from error
     names = [str(number) for number in range(len(file.layers))]
     if dataset not in (None, *names):
         raise FileFormatError(f"{path}: no layer {dataset!r}; the file holds {', '.join(names)}")
@@ -81,27 +76,13 @@ def read_x3p(
             f"{path}: its rotation {turn.round(3).tolist()} mirrors the heights or turns them "
             "over, so that it is open what points out of the solid; export it without a rotation"
         )
-    return _stated(path, unit, spacing, layer.z, layer.spacing[::-1], "X3P")
+    stated = {"unit": "m", "spacing": layer.spacing[::-1]}
+    return as_map(layer.z, path, unit, spacing, stated, format="X3P")
 
 
 def _require_room(path: Path, points: int) -> None:
     """Refuse a file of so many points that would not fit, before a library makes room for them."""
     require_memory(32 * points, f"{path}: a map of {points} points", "save a part of it")
-
-
-def _stated(
-    path: Path,
-    unit: str | None,
-    spacing: ArrayLike | None,
-    heights: NDArray[np.float64],
-    pixel: tuple[float, float],
-    kind: str,
-) -> HeightMap:
-    """The map of a file that states all its lengths in metres."""
-    chosen_unit(path, "m", unit)
-    pixel = chosen_spacing(path, pixel, spacing)
-    origin = {"step": "read", "file": path.name, "format": kind, "unit": "m"}
-    return HeightMap(heights, pixel, name=path.stem, history=(origin,))
 
 
 def read_instrument(
@@ -133,12 +114,7 @@ def read_instrument(
             chosen = chosen_unit(path, stated, unit)
             sizes = _sizes(channel, path, spacing, metres_per(chosen))
             topography = channel.topography(**sizes)
-            origin = {
-                "step": "read",
-                "file": path.name,
-                "format": str(reader.format()),
-                "channel": str(channel.name),
-            }
+            origin = {"format": str(reader.format()), "channel": str(channel.name)}
             heights = np.ma.filled(np.ma.masked_invalid(topography.heights()), np.nan)
             periodic = bool(topography.is_periodic)
             length_x, length_y = topography.physical_sizes
@@ -151,14 +127,16 @@ def read_instrument(
             f"knows, or damaged{hint}"
         ) from error
     except (*DAMAGED, library.Exceptions.ReadFileError) as error:
-        raise damaged(path, error, hint) from error
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:120]
+        raise FileFormatError(
+            f"{path}: damaged, or not as its format says ({reason}){hint}"
+        ) from error
     if instrument:
         origin["instrument"] = str(instrument)
-    origin["unit"] = chosen
-    heights = np.asarray(heights, dtype=np.float64).T * metres_per(chosen)
-    ny, nx = heights.shape
+    nx, ny = heights.shape
     pixel = (length_y * metres_per(chosen) / ny, length_x * metres_per(chosen) / nx)
-    return HeightMap(heights, pixel, periodic=periodic, name=path.stem, history=(origin,))
+    facts = {"unit": chosen, "spacing": pixel, "periodic": periodic}
+    return as_map(heights.T, path, None, None, facts, **origin)
 
 
 def _sizes(

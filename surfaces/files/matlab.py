@@ -7,15 +7,17 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from surfaces.errors import FileFormatError, InputError
+from surfaces.errors import FileFormatError
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 
 from ._container import survives
-from ._damage import DAMAGED, damaged
+from ._damage import naming_damage
 from .arrays import named_map
 
 __all__ = ["read_mat"]
+
+_HDF5_BASED = b"MATLAB 7.3"
 
 
 def read_mat(
@@ -25,7 +27,10 @@ def read_mat(
     from scipy.io import loadmat, whosmat
     from scipy.io.matlab import MatReadError
 
-    try:
+    with path.open("rb") as file:
+        if file.read(len(_HDF5_BASED)) == _HDF5_BASED:
+            raise FileFormatError(f"{path}: is of MATLAB 7.3; save it with -v7")
+    with naming_damage(path, also=(NameError, MatReadError)):
         shapes = {name: shape for name, shape, _ in whosmat(path)}
         points = max(map(math.prod, shapes.values()), default=0)
         require_memory(32 * points, f"{path}: its largest matrix", "save a part of it")
@@ -33,9 +38,3 @@ def read_mat(
         if not survives(lambda: loadmat(path), seconds):  # SciPy's reader trusts what it reads
             raise FileFormatError(f"{path}: damaged, it crashes the library; copy it again")
         return named_map([*shapes], loadmat(path, squeeze_me=True), path, dataset, unit, spacing)
-    except InputError:
-        raise
-    except NotImplementedError as error:
-        raise FileFormatError(f"{path}: is of MATLAB 7.3; save it with -v7") from error
-    except (*DAMAGED, NameError, MatReadError) as error:
-        raise damaged(path, error) from error

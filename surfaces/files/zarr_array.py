@@ -44,7 +44,7 @@ def read_zarr(
         raise FileFormatError(
             f"{path}: Zarr needs a library ({brief(error)}): python -m pip install 'asperity[zarr]'"
         ) from error
-    with naming_damage(path, "damaged Zarr", "folder"):
+    with naming_damage(path, "damaged Zarr"):
         found: Any = zarr.open(path, mode="r")
         if isinstance(found, zarr.Group):
             names = ", ".join(sorted(found.array_keys())) or "no array"

@@ -13,9 +13,6 @@ from surfaces.numerics.vectors import prefetch
 
 from .peaks import PLATEAU, RIM, SUMMIT
 
-__all__ = ["prefetch_block"]
-
-
 FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
 _LEVEL = 1e-6  # ratio of curvatures below which rounding may decide the smaller one

@@ -16,9 +16,6 @@ from surfaces.numerics.vectors import multiply_add, store, where, whole
 
 from ._climb import FLATTEST, prefetch_block
 
-__all__ = ["ray_places", "rising_nodes"]
-
-
 _BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
 _TOGETHER = 64  # rays
 _CHUNK = 8  # groups of samples
