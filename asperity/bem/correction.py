@@ -179,13 +179,23 @@ class NestedGrid:
             error = worst
             if goal.level is None:  # the list bears the load exactly
                 error = replace(reading.certificate, load=0.0).worst
-            listed = self._listed(goal, reading, error, outer == 0)
-            if (
-                here is PressureOrigin.PREDICTED
-                and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size
-            ):
+            points, values, gap = self._listed(goal, reading, error, outer == 0)
+            spare = len(points) - reading.points
+            if here is PressureOrigin.PREDICTED and spare > _LONGEST_LIST * self.heights.size:
                 raise PoorPredictionError
-            iterations += self._correct(listed, goal, reading.scale, error, tolerance)
+            operator = self.operator(points)
+            if goal.level is not None:
+                gap -= goal.level
+            iterations += solve_on_list(
+                operator,
+                values,
+                gap,
+                scale=reading.scale,
+                tolerance=_next_error(error, _LIST_SHARE * tolerance, operator.aim),
+                total=goal.mean * self.heights.size if goal.level is None else None,
+                cap=self.cap,
+            )
+            points.fill(self.exact.pressure, values)
         reason = (
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
@@ -206,31 +216,6 @@ class NestedGrid:
             threshold = max(threshold, float(np.partition(gaps, rank)[rank]))
             listed = self.select(reading, threshold)
         return listed
-
-    def _correct(
-        self,
-        listed: Selection,
-        goal: Prescribed,
-        scale: float,
-        error: float,
-        tolerance: float,
-    ) -> int:
-        """Solve once on the list of candidates; returns the number of iterations."""
-        points, values, gap = listed
-        operator = self.operator(points)
-        if goal.level is not None:
-            gap -= goal.level
-        spent = solve_on_list(
-            operator,
-            values,
-            gap,
-            scale=scale,
-            tolerance=_next_error(error, _LIST_SHARE * tolerance, operator.aim),
-            total=goal.mean * self.heights.size if goal.level is None else None,
-            cap=self.cap,
-        )
-        points.fill(self.exact.pressure, values)
-        return spent
 
     def select(self, reading: Reading, threshold: float) -> Selection:
         """Points with a pressure or with a gap up to a threshold."""
