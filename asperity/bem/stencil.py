@@ -31,27 +31,25 @@ _LEAST_WEIGHT = 2e-3
 """Least weight of a frequency in the fit, relative to those beyond the coarse band."""
 
 
-def _fitting_weights(fy: NDArray[np.float64], fx: NDArray[np.float64]) -> NDArray[np.float64]:
+def _fitting_weights(f: NDArray[np.float64]) -> NDArray[np.float64]:
     """One outside the coarse band; inside it what spreading by B-splines aliases there."""
-    largest = np.maximum(fy, fx)
+    largest = np.maximum(f[:, None], f)
     band = 0.5 / COARSENING
     inside = largest < band
     ratio = np.where(inside, largest / np.maximum(2.0 * band - largest, 1e-9), 1.0)
     return np.asarray(np.maximum(np.minimum(ratio**TAPS, 1.0), _LEAST_WEIGHT))
 
 
-def _target(
-    aspect: float, m: float, free: bool
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Sample frequencies [cycles per pixel] along y and x, and the symbol on their grid."""
+def _target(aspect: float, m: float, free: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Sample frequencies [cycles per pixel] of both axes, and the symbol on their grid."""
     spacing = (math.sqrt(aspect), 1.0 / math.sqrt(aspect))
     if free:
         quadrant = influence((_FREQUENCIES + 1, _FREQUENCIES + 1), spacing, m)
         f = np.arange(1, _FREQUENCIES + 1) / (2 * _FREQUENCIES)
-        return f, f, np.ascontiguousarray(scipy.fft.dctn(quadrant, type=1)[1:, 1:])
+        return f, np.ascontiguousarray(scipy.fft.dctn(quadrant, type=1)[1:, 1:])
     f = (np.arange(_FREQUENCIES) + 0.5) / (2 * _FREQUENCIES)
     square = (f[:, None] / spacing[0]) ** 2 + (f[None, :] / spacing[1]) ** 2
-    return f, f, (4.0 * np.pi**2 * square) ** (0.5 * (m - 1.0))
+    return f, (4.0 * np.pi**2 * square) ** (0.5 * (m - 1.0))
 
 
 def _cosines(f: NDArray[np.float64], radius: int) -> NDArray[np.float64]:
@@ -75,10 +73,9 @@ def fitted_stencil(aspect: float, m: float, free: bool) -> NDArray[np.float64]:
     largest error, near the Nyquist frequency, lets the outer corrections converge three times
     more slowly.)
     """
-    fy, fx, target = _target(aspect, m, free)
-    weights = _fitting_weights(fy[:, None], fx[None, :]) / target
-    cy, cx = _cosines(fy, RADIUS), _cosines(fx, RADIUS)
-    design = (cy[:, None, :, None] * cx[None, :, None, :]).reshape(target.size, -1)
+    f, target = _target(aspect, m, free)
+    weights, cosines = _fitting_weights(f) / target, _cosines(f, RADIUS)
+    design = (cosines[:, None, :, None] * cosines[None, :, None, :]).reshape(target.size, -1)
     design *= weights.reshape(-1, 1)
     normal = design.T @ design
     scale = 1.0 / np.sqrt(np.diag(normal))
