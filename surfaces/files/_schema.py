@@ -10,6 +10,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surfaces.errors import InputError, checked_spacing, shown
 from surfaces.units import metres_per
@@ -224,25 +225,24 @@ def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[
 def _spacing(
     stated: Any, given: tuple[float, float] | None, tell: Tell, holds: str
 ) -> tuple[float, float]:
-    pixel = given if stated is None else stated
-    if pixel is None:
+    if stated is None and given is None:
         tell(f" has no attribute spacing; pass --spacing DY DX (spacing=...) in m{holds}")
         return 0.0, 0.0
     try:
-        dy, dx = checked_spacing(pixel)
+        return one_spacing(stated, given)
     except InputError as error:
         tell(f": {error}")
         return 0.0, 0.0
-    if other := other_spacing((dy, dx), given):
-        tell(f" {other}")
-    return dy, dx
 
 
-def other_spacing(stated: tuple[float, float], given: tuple[float, float] | None) -> str:
-    """What to say to a spacing [m] that is given and is not the stated one; else nothing."""
-    if given is None or np.allclose(stated, given, rtol=1e-9, atol=0.0):
-        return ""
-    return f"states spacing ({stated[0]:.6g}, {stated[1]:.6g}) m; leave out the other --spacing"
+def one_spacing(stated: Any, given: ArrayLike | None) -> tuple[float, float]:
+    """Pixel size (dy, dx) [m] that is stated, or given; refused if both are and differ."""
+    pixel = checked_spacing(given if stated is None else stated)
+    if given is not None and not np.allclose(pixel, checked_spacing(given), rtol=1e-9, atol=0.0):
+        raise InputError(
+            f"states spacing ({pixel[0]:.6g}, {pixel[1]:.6g}) m; leave out the other --spacing"
+        )
+    return pixel
 
 
 def _unit(stated: Any, given: str | None, tell: Tell, holds: str) -> str:

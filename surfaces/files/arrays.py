@@ -14,13 +14,13 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import FileFormatError, as_text, checked_spacing, shown
+from surfaces.errors import FileFormatError, as_text, shown
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
 from ._damage import naming_damage
-from ._schema import other_spacing, stated_value, truth
+from ._schema import one_spacing, stated_value, truth
 from .atomic import replacing
 from .columns import gridded
 
@@ -251,11 +251,7 @@ def chosen_spacing(path: Path, stated: Any, given: ArrayLike | None) -> tuple[fl
         raise FileFormatError(
             f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
         )
-    chosen = None if given is None else checked_spacing(given)
-    pixel = checked_spacing(chosen if stated is None else stated)
-    if other := other_spacing(pixel, chosen):
-        raise FileFormatError(f"{path}: {other}")
-    return pixel
+    return one_spacing(stated, given)
 
 
 def _periodic(stated: Any, path: Path) -> bool:
