@@ -169,26 +169,15 @@ def zeros(shape: tuple[int, ...], dtype: Any, stored: bool) -> NDArray[Any]:
 
 
 def on_disk(record: Record) -> Record:
-    """A dataclass with all its arrays in one file as if they were in memory."""
-    named = {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
-    moved = {
-        name: values
-        for name, values in named.items()
-        if isinstance(values, np.ndarray) and values.size and not _in_file(values)
-    }
-    room = zeros((1, sum(_padded(values) for values in moved.values()) or 1), np.uint8, True)[0]
-    first = 0
-    for name, values in moved.items():
-        place = room[first : first + values.nbytes].view(values.dtype).reshape(values.shape)
-        place[...] = values
-        moved[name], first = place, first + _padded(values)
+    """A dataclass with all its arrays in files as if they were in memory."""
+    moved = {}
+    for field in dataclasses.fields(record):
+        values = getattr(record, field.name)
+        if isinstance(values, np.ndarray) and values.size > 1 and not _in_file(values):
+            moved[field.name] = zeros(values.shape, values.dtype, True)
+            moved[field.name][...] = values
     drop_pages()
     return dataclasses.replace(record, **moved)
-
-
-def _padded(values: NDArray[Any]) -> int:
-    """Bytes of an array, rounded up to whole cache lines."""
-    return -(-values.nbytes // 64) * 64
 
 
 def _in_file(values: Any) -> bool:

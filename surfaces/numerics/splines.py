@@ -36,7 +36,6 @@ __all__ = [
     "TAPS",
     "WEIGHTS",
     "coefficients",
-    "evaluate_all",
     "expand",
     "load",
     "splat",
@@ -248,13 +247,6 @@ def expand(flat, width, y, x):
         total(slope * steep),
         total(level * bent),
     )
-
-
-@compiled()
-def evaluate_all(flat, width, ys, xs, out):
-    """Heights at several points."""
-    for k in range(ys.size):
-        out[k] = expand(flat, width, ys[k], xs[k])[0]
 
 
 def coefficients(heights: Source, periodic: bool) -> NDArray[np.float64]:

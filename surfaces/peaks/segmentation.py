@@ -138,8 +138,13 @@ def _flood_all(hm: HeightMap, above: float) -> Flooded:
     link[summit] = np.arange(summit.size)
     parallel.each(lambda some: _flood.follow(link, some), runs)
     labels = link.reshape(hm.shape)
-    counts, keys, tops = _passes(hm, labels, summit.size, runs)
-    return Flooded(summit, flat[summit], labels, counts, keys, tops)
+    counts = np.zeros((len(runs), summit.size), np.int64)
+    found = parallel.each(
+        lambda part: _flood.touching(hm.heights, labels, hm.periodic, counts[part], runs[part]),
+        range(len(runs)),
+    )
+    keys, tops = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return Flooded(summit, flat[summit], labels, counts.sum(axis=0), keys, tops)
 
 
 def _lowest(hm: HeightMap, above: float) -> float:
@@ -214,19 +219,6 @@ def _links(
     if flats.size:
         summits.append(_flood.drain_plateaus(heights.ravel(), hm.shape, hm.periodic, link, flats))
     return link, np.concatenate(summits).astype(np.int64), [part[2] for part in found]
-
-
-def _passes(
-    hm: HeightMap, labels: NDArray[np.int32], n: int, runs: list[NDArray[np.int32]]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Number of pixels of each basin; keys of touching pairs (`Flooded`) and their passes."""
-    counts = [np.zeros(n, np.int64) for _ in runs]
-    found = parallel.each(
-        lambda part: _flood.touching(hm.heights, labels, hm.periodic, counts[part], runs[part]),
-        range(len(runs)),
-    )
-    keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return np.sum(counts, axis=0), keys, passes
 
 
 def _at_border(labels: NDArray[np.int32], n: int, periodic: bool) -> NDArray[np.bool_]:

@@ -258,21 +258,17 @@ def passed(
     (ny, nx), workers = like.shape, parallel.threads()
     width = nx // 2 + 1 if periodic else nx
     there, here = (fft.fft, fft.ifft) if periodic else (fft.dct, fft.idct)
+    first, last = (fft.rfft, fft.irfft) if periodic else (fft.dct, fft.idct)
 
     def rows(heights: NDArray[Any]) -> NDArray[Any]:
-        return np.asarray((fft.rfft if periodic else fft.dct)(heights, axis=1, workers=workers))
+        return np.asarray(first(heights, axis=1, workers=workers))
 
     def columns(place: slice, waves: NDArray[Any]) -> NDArray[Any]:
         modes = there(waves, axis=0, workers=workers, overwrite_x=True) * share(place)
         return np.asarray(here(modes, axis=0, workers=workers, overwrite_x=True))
 
     def back(waves: NDArray[Any]) -> NDArray[Any]:
-        found = (
-            fft.irfft(waves, nx, axis=1, workers=workers)
-            if periodic
-            else fft.idct(waves, axis=1, workers=workers)
-        )
-        return np.asarray(found)
+        return np.asarray(last(waves, n=nx, axis=1, workers=workers))
 
     return along_both(blocks, like, (ny, nx), Transform(width, rows, columns, back))
 

@@ -260,14 +260,9 @@ def _holds(coarse: HeightMap, hm: HeightMap, corner: tuple[float, float]) -> boo
             (rows, cols), hm.spacing, corner, coarse.spacing, strict=True
         )
     )
-    off = np.empty(rows.size)
-    splines.evaluate_all(
-        spline.ravel(),
-        spline.shape[1],
-        np.mod(y, coarse.shape[0]),
-        np.mod(x, coarse.shape[1]),
-        off,
-    )
+    places = zip(np.mod(y, coarse.shape[0]), np.mod(x, coarse.shape[1]), strict=True)
+    flat, width = spline.ravel(), spline.shape[1]
+    off = np.array([splines.expand(flat, width, *place)[0] for place in places])
     off -= hm.source[rows, cols]
     rms = hm.roughness.rms_height
     return bool(
