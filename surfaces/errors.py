@@ -37,6 +37,7 @@ __all__ = [
     "checked_range",
     "checked_spacing",
     "checked_span",
+    "require_texts",
     "shown",
 ]
 
@@ -146,6 +147,13 @@ def shown(value: Any) -> str:
     """What was given, by a caller or a file, on one line of a message and short."""
     text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def require_texts(**given: Any) -> None:
+    """Refuse what is neither a text nor None, of arguments by their names."""
+    for name, value in given.items():
+        if not isinstance(value, str | None):
+            raise InputError(f"{name} is {shown(value)}; give a text, or leave it out")
 
 
 def as_text(value: Any) -> str:

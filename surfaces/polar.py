@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError, as_numbers, shown
+from .errors import InputError, as_number, as_numbers, shown
 
 __all__ = ["PolarProfile", "PolynomialProfile", "PowerLawProfile", "PowerSumProfile"]
 
@@ -150,9 +150,10 @@ class PolynomialProfile(PowerSumProfile):
                 f"coefficients is {shown(coefficients)}; give a mapping from the exponents (i, j), "
                 "not negative with i + j >= 1"
             )
-        degrees = sorted({i + j for i, j in coefficients})
-        super().__init__(degrees, [_homogeneous(coefficients, n) for n in degrees])
-        object.__setattr__(self, "coefficients", dict(coefficients))
+        given = {p: as_number(f"the coefficient of {p}", c) for p, c in coefficients.items()}
+        degrees = sorted({i + j for i, j in given})
+        super().__init__(degrees, [_homogeneous(given, n) for n in degrees])
+        object.__setattr__(self, "coefficients", given)
 
 
 @dataclass(frozen=True, eq=False)

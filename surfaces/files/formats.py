@@ -10,7 +10,7 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from surfaces.errors import FileFormatError, InputError, SurfaceError, as_path
+from surfaces.errors import FileFormatError, InputError, SurfaceError, as_path, require_texts
 from surfaces.heightmap import HeightMap, require_map
 
 from .atomic import NOT_HDF5
@@ -76,6 +76,7 @@ def read(
     (16, 48)
     """
     path = as_path(path)
+    require_texts(dataset=dataset, unit=unit)
     if not path.exists():
         raise FileFormatError(f"{path}: no such file")
     if not (path.is_file() or path.is_dir()):

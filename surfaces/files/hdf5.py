@@ -22,6 +22,7 @@ from surfaces.errors import (
     as_path,
     checked_part,
     checked_spacing,
+    require_texts,
 )
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
@@ -304,6 +305,7 @@ def opened_parts(
     spacing: tuple[float, float] | None = None,
 ) -> tuple[Any, Any, Header | None, list[Fault]]:
     """What is to be closed, the array, its header and its faults."""
+    require_texts(dataset=dataset, unit=unit)
     if is_zarr(path):
         return ExitStack(), *read_zarr(path, dataset, unit, spacing)
     require_sound(path, dataset)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -48,13 +49,29 @@ def _only_page(path: str) -> NDArray[Any] | None:
     log: Any = getattr(cv2.utils, "logging", cv2)  # since OpenCV 5
     told = log.setLogLevel(0)
     try:
-        with open(path, "rb") as file:
-            head = file.read(_PNG_DEPTH + 1)
-        coarse = head.startswith(_PNG_SIGNATURE) and head[_PNG_DEPTH:] < b"\x08"
-        if not coarse and cv2.haveImageReader(path) and cv2.imcount(path) == 1:
+        sound = _is_sound(Path(path).read_bytes())
+        if sound and cv2.haveImageReader(path) and cv2.imcount(path) == 1:
             return cv2.imread(path, cv2.IMREAD_UNCHANGED)
         return None
     except cv2.error:  # a header that states more points than the library takes
         return None
     finally:
         log.setLogLevel(told)
+
+
+def _is_sound(content: bytes) -> bool:
+    """Whether a picture is no PNG, or a PNG of 8 bits or more with sound checksums: of others the
+    library writes to the terminal."""
+    at = len(_PNG_SIGNATURE)
+    if content[:at] != _PNG_SIGNATURE:
+        return True
+    if content[_PNG_DEPTH : _PNG_DEPTH + 1] < b"\x08":
+        return False
+    while at + 12 <= len(content):  # each part: length, kind of four letters, data, checksum
+        end = at + 8 + int.from_bytes(content[at : at + 4])
+        if zlib.crc32(content[at + 4 : end]) != int.from_bytes(content[end : end + 4]):
+            return False
+        if content[at + 4 : at + 8] == b"IEND":
+            return True
+        at = end + 4
+    return False

@@ -207,6 +207,18 @@ def test_what_is_no_grey_picture_is_refused(tmp_path: Path) -> None:
             surfaces.read(tmp_path / name, unit="um", spacing=1e-6)
 
 
+def test_a_damaged_png_is_told_of_once(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "a.png"
+    cv2.imwrite(str(path), NUMBERS.integers(0, 60000, (16, 21)).astype(np.uint16))
+    content = path.read_bytes()
+    assert surfaces.read(path, unit="nm", spacing=1e-6).shape == (16, 21)
+    for at in (20, 30, 60, len(content) - 20):
+        path.write_bytes(content[:at] + bytes([content[at] ^ 255]) + content[at + 1 :])
+        with pytest.raises(FileFormatError, match="as a picture, it is damaged"):
+            surfaces.read(path, unit="nm", spacing=1e-6)
+    assert capfd.readouterr().err == ""
+
+
 @pytest.mark.parametrize(("side", "bits"), [(60000, 8), (5, 4)])
 def test_pictures_too_large_or_too_coarse_are_refused(tmp_path: Path, side: int, bits: int) -> None:
     """OpenCV raises its own error on the first, and stretches grey levels of 4 bits to 8."""

@@ -312,3 +312,12 @@ def test_hdf5_is_known_by_its_content(tmp_path: Path) -> None:
     surfaces.write(sample(), tmp_path / "a.h5")
     (tmp_path / "a.h5").rename(tmp_path / "a.scan")
     assert surfaces.read(tmp_path / "a.scan").digest == sample().digest
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv"])
+@pytest.mark.parametrize("name", ["dataset", "unit"])
+def test_names_that_are_no_texts_are_refused(tmp_path: Path, suffix: str, name: str) -> None:
+    surfaces.write(sample(), tmp_path / f"a{suffix}")
+    for given in (np.ones(2), 3.0):
+        with pytest.raises(InputError, match=rf"{name} is .*; give a text, or leave it out"):
+            surfaces.read(tmp_path / f"a{suffix}", **{name: given})

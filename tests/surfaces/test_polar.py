@@ -74,6 +74,8 @@ def test_table_continues_with_its_last_slope_beyond_the_last_radius():
         (lambda: PowerLawProfile(1.0, [1.0, 2.0]), "at least 4 equispaced"),
         (lambda: PowerLawProfile(1.0, [1.0, np.nan, 1.0, 1.0]), "must be finite"),
         (lambda: PolynomialProfile({(0, 0): 1.0}), r"i \+ j >= 1"),
+        (lambda: PolynomialProfile({(2, 0): "x"}), r"of \(2, 0\) is 'x'; it must be a number"),
+        (lambda: PolynomialProfile({(2, 0): np.ones(2)}), r"of \(2, 0\) is array.* a number"),
         (lambda: PolarProfile([0, 1, 2], TURN, np.zeros((3, 31))), "must have the shape"),
         (lambda: PolarProfile([0, 1, 2], TURN, np.zeros((3, 32))), "at least 4 increasing"),
         (lambda: PolarProfile([0, 1, 2, 3], TURN**2, np.zeros((4, 32))), "equispaced"),
