@@ -152,7 +152,8 @@ class PolynomialProfile(PowerSumProfile):
             )
         given = {p: as_number(f"the coefficient of {p}", c) for p, c in coefficients.items()}
         degrees = sorted({i + j for i, j in given})
-        super().__init__(degrees, [_homogeneous(given, n) for n in degrees])
+        terms = [[(i, j, c) for (i, j), c in given.items() if i + j == n] for n in degrees]
+        super().__init__(degrees, [partial(_form, of_degree) for of_degree in terms])
         object.__setattr__(self, "coefficients", given)
 
 
@@ -313,10 +314,6 @@ def _periodic(values: Array) -> Angular:
 
 def _over_turns(curve: Angular, phi: Array) -> Array:
     return np.asarray(curve(np.mod(phi, 2 * np.pi)))
-
-
-def _homogeneous(coefficients: Mapping[tuple[int, int], float], degree: int) -> Angular:
-    return partial(_form, [(i, j, c) for (i, j), c in coefficients.items() if i + j == degree])
 
 
 def _form(terms: list[tuple[int, int, float]], phi: Array) -> Any:

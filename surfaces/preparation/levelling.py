@@ -249,13 +249,8 @@ def _block_medians(
             mask = ~np.isnan(block)
             if mask.any():
                 inside_v, inside_u = np.nonzero(mask)
-                found.append(
-                    (
-                        float(np.median(block[mask])),
-                        float(v[row][inside_v].mean()),
-                        float(u[column][inside_u].mean()),
-                    )
-                )
+                place = v[row][inside_v].mean(), u[column][inside_u].mean()
+                found.append((np.median(block[mask]), *place))
     medians, place_v, place_u = np.array(found).T
     return medians, place_v, place_u
 
