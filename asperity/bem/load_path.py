@@ -88,17 +88,14 @@ def follow_chains(
 ) -> None:
     """Call ``follow(chain, stop)`` for every chain; `stop` is set if another one failed."""
     stop = threading.Event()
-    if not together:
-        for chain in chains:
-            follow(chain, stop)
-        return
 
     def followed(chain: range) -> None:
         with stopping(stop):
             follow(chain, stop)
 
     try:
-        apart(followed, chains)
+        for group in [chains] if together else [[chain] for chain in chains]:
+            apart(followed, group)
     finally:  # of one that was interrupted
         stop.set()
 
