@@ -297,19 +297,15 @@ def _angular(psi: Any) -> Angular:
         return partial(_constant, float(values))
     if values.ndim != 1 or values.size < 4:
         raise InputError("psi must be a function, a number or at least 4 equispaced samples")
-    return _periodic(values)
-
-
-def _constant(value: float, phi: Array) -> Array:
-    return np.full(np.shape(phi), value)
-
-
-def _periodic(values: Array) -> Angular:
     from scipy.interpolate import PchipInterpolator
 
     n = values.size
     node = 2 * np.pi * np.arange(-3, n + 4) / n
     return partial(_over_turns, PchipInterpolator(node, values[np.arange(-3, n + 4) % n]))
+
+
+def _constant(value: float, phi: Array) -> Array:
+    return np.full(np.shape(phi), value)
 
 
 def _over_turns(curve: Angular, phi: Array) -> Array:

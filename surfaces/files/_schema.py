@@ -190,7 +190,6 @@ def _storage_faults(dataset: h5py.Dataset, where: str) -> Iterator[Fault]:
         return
     if math.prod(dataset.chunks) * dataset.dtype.itemsize > _MAX_CHUNK:
         yield Fault(f"{where} has chunks of {dataset.chunks} points; rechunk it to under 1 GiB")
-        return
 
 
 def _chunks(dataset: h5py.Dataset) -> Chunks | None:
@@ -263,10 +262,11 @@ def _periodic(stated: Any, tell: Tell) -> bool:
     if stated is None:
         tell(" has no attribute periodic; it is read as False", False)
         return False
-    value = truth(stated)
-    if value is None:
-        tell(f": periodic is {shown(stated)}; it must be true or false")
-    return bool(value)
+    try:
+        return truth(stated)
+    except InputError as error:
+        tell(f": {error}")
+        return False
 
 
 def _packing(attributes: dict[str, Any], tell: Tell) -> Packing:
@@ -305,11 +305,13 @@ def stated_value(value: Any) -> Any:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
 
 
-def truth(stated: Any) -> bool | None:
-    """The truth value that a file states, 0 or 1, or as a word; None if it is neither."""
-    if isinstance(stated, int | float):
-        return bool(stated) if stated in (0, 1) else None
-    return _TRUTH.get(str(stated).strip().lower())
+def truth(stated: Any) -> bool:
+    """Whether a file states that its map is periodic: by a truth value, 0 or 1, or a word."""
+    number = isinstance(stated, int | float) and stated in (0, 1)
+    value = bool(stated) if number else _TRUTH.get(str(stated).strip().lower())
+    if value is None:
+        raise InputError(f"periodic is {shown(stated)}; it must be true or false")
+    return value
 
 
 def plain(value: Any) -> Any:

@@ -238,7 +238,7 @@ def as_map(
     return HeightMap(
         heights,
         pixel,
-        periodic=_periodic(stated.get("periodic", False), path),
+        periodic=truth(stated.get("periodic", False)),
         name=str(stated.get("name") or path.stem),
         history=({"step": "read", "file": path.name, **origin, "unit": chosen},),
     )
@@ -252,14 +252,6 @@ def chosen_spacing(path: Path, stated: Any, given: ArrayLike | None) -> tuple[fl
             f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
         )
     return one_spacing(stated, given)
-
-
-def _periodic(stated: Any, path: Path) -> bool:
-    """Whether a map is periodic, from a truth value, 0 or 1, or a word."""
-    value = truth(stated)
-    if value is None:
-        raise FileFormatError(f"{path}: periodic is {shown(stated)}; it must be true or false")
-    return value
 
 
 def _check_npy_header(member: IO[bytes], size: int, name: str) -> None:
@@ -282,7 +274,8 @@ def _lines(file: Iterable[str]) -> Iterator[tuple[int, str, list[str] | None]]:
     """Number and text of each line, and its cells if it is a row: None of comments and blanks."""
     separator, mark = "", ""
     for number, line in enumerate(file, start=1):
-        by = separator or _separator(line)
+        # a blank is any white space
+        by = separator or next((mark for mark in ";\t," if mark in line.strip()), " ")
         marks = "".join(m for m in ",." if m in line) if by in ";\t" else ""
         numbers = line.replace(",", ".") if marks == "," else line
         cells = [cell.strip() for cell in numbers.strip(" \r\n").split(None if by == " " else by)]
@@ -297,11 +290,6 @@ def _lines(file: Iterable[str]) -> Iterator[tuple[int, str, list[str] | None]]:
             )
         separator, mark = by, mark or marks
         yield number, line, cells
-
-
-def _separator(line: str) -> str:
-    """Separator of the cells; a blank is any white space."""
-    return next((mark for mark in ";\t," if mark in line.strip()), " ")
 
 
 def _number(cell: str) -> float:

@@ -84,14 +84,9 @@ def set_memory(limit: int | None) -> None:
     if limit is not None and not _PROGRAM < as_number("the memory limit", limit) < math.inf:
         raise InputError(f"the memory limit is {limit} bytes; give at least {_PROGRAM >> 20} MiB")
     _limit = None if limit is None else int(limit)
-    if limit is not None:
-        _return_large_arrays()
-
-
-def _return_large_arrays() -> None:
-    """Let the GNU C library give large arrays back to the system as soon as they are freed: it
-    keeps those below 32 MiB, and takes a tenth more memory for a map of 8192^2 points."""
-    if os.name == "posix":
+    # the GNU C library keeps arrays below 32 MiB when they are freed, and takes a tenth more memory
+    # for a map of 8192^2 points; now it gives large ones back to the system at once
+    if limit is not None and os.name == "posix":
         getattr(ctypes.CDLL(None), "mallopt", lambda *_: 1)(_MMAP_THRESHOLD, _LARGE)
 
 

@@ -231,7 +231,15 @@ def spectrum_of(waves: Density) -> Spectrum:
         density_x=density_x[1:],
         qy=2.0 * np.pi * fft.rfftfreq(ny, dy)[1:],
         density_y=density_y[1 : ny // 2 + 1],
-        moments=_moments(table),
+        moments=SpectralMoments(
+            m00=float(table[0, 0]),
+            m20=float(table[0, 2]),
+            m11=float(table[1, 1]),
+            m02=float(table[2, 0]),
+            m40=float(table[0, 3]),
+            m22=float(table[2, 2]),
+            m04=float(table[3, 0]),
+        ),
         edge=_edge(waves, 2.0 * np.pi / min(size), nyquist),
         nyquist=float(nyquist),
         window="hann" if waves.hann else "none",
@@ -328,18 +336,6 @@ def _moment_table(qy: Array, qx: Array, power: Array, signed: NDArray[np.bool_])
     columns = np.stack([np.ones_like(qx), qx, qx**2, qx**4], axis=1)
     rows = np.stack([np.ones_like(qy), qy * signed, qy**2, qy**4], axis=0)
     return np.asarray(rows @ power @ columns)
-
-
-def _moments(table: Array) -> SpectralMoments:
-    return SpectralMoments(
-        m00=float(table[0, 0]),
-        m20=float(table[0, 2]),
-        m11=float(table[1, 1]),
-        m02=float(table[2, 0]),
-        m40=float(table[0, 3]),
-        m22=float(table[2, 2]),
-        m04=float(table[3, 0]),
-    )
 
 
 def _ring_edges(lowest: float, nyquist: float) -> NDArray[np.float64]:
