@@ -94,7 +94,7 @@ NAMES = [
     ("method", lambda x: asperity.sweep(HM, STEEL, {"method": x}, folder="unused")),
     ("format", lambda x: asperity.InterfaceLaw.of(CURVE).write("unused", x)),
     ("level", lambda x: surfaces.level(HM, x)),
-    ("fill", lambda x: surfaces.prepare(HM, fill="none" if x is None else x)),
+    ("fill", lambda x: surfaces.prepare(HM, fill="no" if x is None else x)),
     ("filter", lambda x: surfaces.prepare(HM, filter=x)),
     ("filter", lambda x: surfaces.bandpass(HM, 1e-5, filter=x)),
     ("periodic", lambda x: surfaces.make_periodic(HM, x)),
