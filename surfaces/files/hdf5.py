@@ -201,9 +201,10 @@ class SurfaceFile:
         (top, bottom), (left, right) = self._bounds(rows, columns)
         plain_metres = self._packing == Packing() and metres_per(self.unit) == 1.0
         narrow = self._dataset.dtype == np.float32 and plain_metres
+        step = self._rows_per_block(right - left)
         blocks = (
-            (rows[0] - top, self.heights(rows, columns))
-            for rows in _parts(top, bottom, self._rows_per_block(right - left))
+            (first - top, self.heights((first, min(first + step, bottom)), columns))
+            for first in range(top, bottom, step)
         )
         return StoredMap.of_blocks(
             blocks,
