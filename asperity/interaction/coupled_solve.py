@@ -54,12 +54,18 @@ first touch."""
 
 @np.errstate(all="ignore")  # a step that is not finite is refused with its reason
 def solve_at(
-    last: Continuation, separation: float, tolerance: float, pressure: float | None = None
+    last: Continuation,
+    separation: float,
+    tolerance: float,
+    pressure: float | None = None,
+    *,
+    settled: bool = False,
 ) -> PopulationState:
     """State at a separation [m], or at a mean pressure [Pa].
 
     With a pressure the separation is a first guess. `last` holds the points solved before, from
-    which this one is predicted; `tolerance` bounds the residual.
+    which this one is predicted; `tolerance` bounds the residual. With `settled` a state is refused
+    whose contacts stand elsewhere than their points after all lists.
 
     Notes
     -----
@@ -75,7 +81,7 @@ def solve_at(
     field = last.field
     good: tuple[CandidateList, Solution] | None = None
     steps = products = 0
-    blind = not last.points
+    blind, stands = not last.points, False
     for placed in range(MAX_LISTS + 1):
         if listed is None:
             listed = CandidateList.of(
@@ -112,10 +118,9 @@ def solve_at(
         field, values = listed.problem.coupling.smooth, solution.values
         separation = solution.separation
         current = listed
-        if solution.reason and good is not None:
-            current, solution = good  # the solution before its points were moved
-            break
-        if solution.reason or placed == MAX_LISTS:
+        if solution.reason:
+            if good is not None:
+                current, solution = good  # the solution before its points were moved
             break
         growth, rise = 1.0, 0.0
         # a missing summit that just touches would carry less than the mean load of a contact
@@ -124,6 +129,7 @@ def solve_at(
         listed = current.recentred(system, rows, values, tolerance) if again else None
         blind = False
         if listed is current:
+            stands = True
             break
         good = None if listed is None else (current, solution)
     if solution.reason and _share(system, solution) > CROWDED_AREA:
@@ -131,6 +137,9 @@ def solve_at(
             f"contacts fill {100 * _share(system, solution):.0f} % of the nominal area and do not "
             f"settle ({solution.reason}): they are too crowded to be separate"
         )
+        solution = replace(solution, reason=reason)
+    if settled and not stands and not solution.reason:
+        reason = f"after {MAX_LISTS} lists the contacts stand elsewhere than their points"
         solution = replace(solution, reason=reason)
     solution = replace(solution, steps=steps, products=products)
     area = current.areas(system, solution)

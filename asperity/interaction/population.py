@@ -195,9 +195,9 @@ def reached(
             guess = last.predicted_separation(target)
             if guess is None:
                 guess = independent_separation(system, target)
-            found = solve_at(last, guess, tolerance, target)
+            found = solve_at(last, guess, tolerance, target, settled=left > 0)
         else:
-            found = solve_at(last, target, tolerance)
+            found = solve_at(last, target, tolerance, settled=left > 0)
         if found.converged:
             last = found.continuation
         elif found.contact_area <= CROWDED_AREA * system.nominal_area:

@@ -116,23 +116,28 @@ def test_crowded_long_contacts():
 
 
 @pytest.mark.parametrize(
-    ("shape", "recipe", "share"),
+    ("shape", "recipe"),
     [
         # residuals of many contacts do not average out where all start from a guess
-        ((160, 192), {"hurst": 0.43, "cutoff": 3.0, "rolloff": 30.0, "seed": 9023}, 0.1),
+        ((160, 192), {"hurst": 0.43, "cutoff": 3.0, "rolloff": 30.0, "seed": 9023}),
         # long footprints that need more than 24 steps to a small residual; they have several
-        # states, and rounding decides: 0.09 on one processor, 0.15 on another
-        ((192, 384), {"hurst": 0.90967750155, "anisotropy": 4.0, "seed": 9013}, 0.2),
+        # states, and rounding decides: one of thirty differs by more
+        ((192, 384), {"hurst": 0.90967750155, "anisotropy": 4.0, "seed": 9013}),
     ],
 )
-def test_a_load_alone_agrees_with_one_of_a_curve(shape, recipe, share):
-    """To a share of the stated error; the differences were 0.17 and 0.9 of it."""
+def test_a_load_alone_agrees_with_one_of_a_curve(shape, recipe):
+    """To a tenth of the stated error, the median of three; differences were 0.17 and 0.9 of it."""
     size = tuple(float(n) for n in shape)
-    hm = surfaces.self_affine(shape, size, rms_slope=0.1, **recipe)
-    curve = asperity.contact_curve(hm, BODY, pressures=default_pressures(hm, BODY)).select([8])
-    alone = asperity.contact_curve(hm, BODY, pressures=curve.mean_pressure)
-    fall = (curve.separation - alone.separation) * curve.stiffness / curve.mean_pressure
-    assert np.abs(fall) < share * curve.error_estimate
+    exact = surfaces.self_affine(shape, size, rms_slope=0.1, **recipe)
+    shares = []
+    for seed in range(3):
+        noise = np.random.default_rng(seed).normal(0.0, 1e-12 * exact.rms_height, shape)
+        hm = exact.replace(heights=exact.heights + noise)
+        curve = asperity.contact_curve(hm, BODY, pressures=default_pressures(hm, BODY)).select([8])
+        alone = asperity.contact_curve(hm, BODY, pressures=curve.mean_pressure)
+        fall = (curve.separation - alone.separation) * curve.stiffness / curve.mean_pressure
+        shares.append(np.abs(fall) / curve.error_estimate)
+    assert np.median(shares) < 0.1
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from asperity.contacts.run import solve_contacts
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
 from asperity.interaction import coupled_solve
+from asperity.interaction import population as population_module
 from asperity.interaction.coupled_solve import descend
 from asperity.interaction.population import Population
 from asperity.microcontact import tabulate
@@ -152,6 +153,21 @@ def test_a_point_that_does_not_settle_is_reached_by_points_between(monkeypatch, 
     assert found.separation == pytest.approx(exact.separation, rel=1e-4)
     assert found.converged is (failures < 1000)
     assert found.reason == ("" if failures < 1000 else "not settled")
+
+
+def test_contacts_that_leave_their_points_are_reached_by_points_between(monkeypatch):
+    """The last of eight solves is taken as it is."""
+    exact, asked = make().solve(pressure=1e-2), []
+
+    def counted(*args, settled):
+        asked.append(settled)
+        return coupled_solve.solve_at(*args, settled=settled)
+
+    monkeypatch.setattr(coupled_solve, "MAX_LISTS", 0)
+    monkeypatch.setattr(population_module, "solve_at", counted)
+    found = make().solve(pressure=1e-2)
+    assert asked == [True] * 7 + [False] and found.converged
+    assert found.separation == pytest.approx(exact.separation, rel=0.05)
 
 
 def test_no_state_is_found_by_one_kind_of_points_alone():
