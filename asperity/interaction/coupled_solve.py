@@ -64,8 +64,8 @@ def solve_at(
     """State at a separation [m], or at a mean pressure [Pa].
 
     With a pressure the separation is a first guess. `last` holds the points solved before, from
-    which this one is predicted; `tolerance` bounds the residual. With `settled` a state is refused
-    whose contacts stand elsewhere than their points after all lists.
+    which this one is predicted; `tolerance` bounds the residual. With `settled` a state whose
+    contacts stand elsewhere than their points after all lists is refused, unless they are crowded.
 
     Notes
     -----
@@ -132,16 +132,15 @@ def solve_at(
             stands = True
             break
         good = None if listed is None else (current, solution)
-    if solution.reason and _share(system, solution) > CROWDED_AREA:
+    reason, share = solution.reason, _share(system, solution)
+    if reason and share > CROWDED_AREA:
         reason = (
-            f"contacts fill {100 * _share(system, solution):.0f} % of the nominal area and do not "
-            f"settle ({solution.reason}): they are too crowded to be separate"
+            f"contacts fill {100 * share:.0f} % of the nominal area and do not settle ({reason}): "
+            "they are too crowded to be separate"
         )
-        solution = replace(solution, reason=reason)
-    if settled and not stands and not solution.reason:
+    elif settled and not (reason or stands or share > CROWDED_AREA):
         reason = f"after {MAX_LISTS} lists the contacts stand elsewhere than their points"
-        solution = replace(solution, reason=reason)
-    solution = replace(solution, steps=steps, products=products)
+    solution = replace(solution, reason=reason, steps=steps, products=products)
     area = current.areas(system, solution)
     return _state(last.after(solution, current), current.index, area, solution)
 
