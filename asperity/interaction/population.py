@@ -190,14 +190,13 @@ def reached(
     first = system.interaction and not last.under_load
     target = _before(last, goal, loaded) if first else goal
     for left in reversed(range(MAX_SOLVES)):
-        target = target if left else goal
-        if loaded:
-            guess = last.predicted_separation(target)
-            if guess is None:
-                guess = independent_separation(system, target)
-            found = solve_at(last, guess, tolerance, target, settled=left > 0)
-        else:
-            found = solve_at(last, target, tolerance, settled=left > 0)
+        if not left:  # the goal is then answered from the last point, as well as it can be
+            target = goal
+        guess = last.predicted_separation(target) if loaded else target
+        if guess is None:
+            guess = independent_separation(system, target)
+        pressure = target if loaded else None
+        found = solve_at(last, guess, tolerance, pressure, settled=left > 0)
         if found.converged:
             last = found.continuation
         elif found.contact_area <= CROWDED_AREA * system.nominal_area:

@@ -172,9 +172,8 @@ def test_contacts_that_leave_their_points_are_reached_by_points_between(monkeypa
 
 def test_no_state_is_found_by_one_kind_of_points_alone():
     """Long contacts did not settle at one of three separations; round ones took 5 % more load."""
-    hm = surfaces.self_affine(
-        (192, 384), (192e-6, 384e-6), hurst=0.91, rms_slope=0.1, anisotropy=4.0, seed=9006
-    )
+    recipe = {"hurst": 0.91, "rms_slope": 0.1, "anisotropy": 4.0, "seed": 9006}
+    hm = surfaces.self_affine((192, 384), (192e-6, 384e-6), **recipe)
     body = HalfSpace.from_modulus(1.0)
     loads = np.geomspace(3e-3, 8.6e-3, 3) * hm.roughness.rms_slope
     under_load = solve_contacts(hm, body, pressures=loads).curve
