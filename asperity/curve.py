@@ -33,7 +33,6 @@ from asperity.trust.error_estimate import (
     nonrandomness,
     outside_model_terms,
     terms,
-    yielded_factor,
 )
 from asperity.trust.verified import anchored
 from surfaces.heightmap import HeightMap
@@ -288,10 +287,8 @@ def _curve(
     stiffness = curve_stiffness(pressure, separation, tangent, converged & ~held)
     weights = plan.parameters.error_estimate
     known = 0.0 if plan.law in CALIBRATED and plan.estimated else np.nan
-    load_error, area_error = (
-        known + np.array([estimate(row.terms, fitted, weights) for row in rows])
-        for fitted in (weights.load_weights, weights.area_weights)
-    )
+    found_terms = {name: np.array([row.terms[name] for row in rows]) for name in rows[0].terms}
+    load_error = known + estimate(found_terms, weights.load_weights, weights)
     warnings = [*plan.warnings, *decomposition.warnings(separation.min())]
     small = sum(row.terms["unresolved"] > UNRESOLVED_WARNED for row in rows)
     if small:
@@ -300,10 +297,11 @@ def _curve(
             "which does not tell their loads: take smaller pixels or more load"
         )
     body, more = decomposition.material, {}
+    plastic = plastic_share(pressure * hm.area, area, body.hardness)
     if body.hardness < np.inf:
         more["unloading_stiffness"] = np.maximum(columns["unloading"], stiffness)
-        more["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
-        area_error = area_error * yielded_factor(more["plastic_share"], weights)
+        more["plastic_share"] = plastic
+    area_error = known + estimate(found_terms, weights.area_weights, weights, plastic)
     if "interaction_difference" in columns:
         more["interaction_difference"] = columns["interaction_difference"]
         load_error = load_error + np.abs(columns["interaction_difference"])
@@ -341,7 +339,7 @@ def _curve(
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
             **more,
-            **{name: np.array([row.terms[name] for row in rows]) for name in rows[0].terms},
+            **found_terms,
         },
         reasons=tuple(row.reason for row in rows),
     )

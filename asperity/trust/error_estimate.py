@@ -32,9 +32,7 @@ __all__ = [
     "nonrandomness",
     "outside_model_terms",
     "terms",
-    "yielded_factor",
 ]
-
 
 Array = NDArray[np.float64]
 
@@ -133,20 +131,22 @@ def nonrandomness(hm: HeightMap) -> float:
 
 
 def estimate(
-    values: dict[str, float],
+    values: dict[str, Array],
     weights: tuple[float, ...],
     fitted: ErrorEstimate = DEFAULTS.error_estimate,
-) -> float:
-    """Error estimate: weighted sum of the terms, which nine in ten errors do not exceed."""
+    plastic_share: Array | float = 0.0,
+) -> Array:
+    """Error estimates of n load points, shape (n,), of which nine in ten are not exceeded: weighted
+    sums of the terms.
+
+    That of the area is given its `plastic_share`: the part that bears the hardness is load over
+    hardness. Contacts outside the model may bear less than the model tells, and keep their terms.
+    """
+    slope, least = fitted.yielded
+    left = np.clip(slope * (1.0 - np.asarray(plastic_share)), least, 1.0)
     inside = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
     outside = sum(getattr(fitted, name) * values.get(name, 0.0) for name in OUTSIDE_MODEL)
-    return float(inside + outside)
-
-
-def yielded_factor(plastic_share: Array, fitted: ErrorEstimate = DEFAULTS.error_estimate) -> Array:
-    """Factor on the estimate of the area where this share of the area bears the hardness."""
-    slope, least = fitted.yielded
-    return np.asarray(np.clip(slope * (1.0 - plastic_share), least, 1.0))
+    return np.asarray(left * inside + outside)
 
 
 def outside_model_terms(decomposition: Decomposition, state: PopulationState) -> dict[str, float]:
