@@ -81,9 +81,8 @@ class SolvedLoads:
     ----------
     lightest
         The lightest load point under load; None before any.
-    opened, opened_at
-        Largest `opened_share` of a load point, and the mean pressure [Pa] of this point; zero
-        before any opens.
+    opened, most_opened
+        Largest `opened_share` of a load point, and this point; zero and None before any opens.
     """
 
     def __init__(
@@ -94,7 +93,8 @@ class SolvedLoads:
     ) -> None:
         self.material, self.periodic, self.progress = material, boundary == "periodic", progress
         self.lightest: SolvedLoad | None = None
-        self.opened = self.opened_at = 0.0
+        self.most_opened: SolvedLoad | None = None
+        self.opened = 0.0
         self._turn = threading.Lock()
 
     def __call__(self, point: SolvedLoad) -> None:
@@ -104,9 +104,11 @@ class SolvedLoads:
             if point.mean_pressure <= 0.0:
                 return
             share = opened_share(point, self.material, periodic=self.periodic)
+            most = self.most_opened
             # of equal ones the lighter, whichever comes first
-            if (share, -point.mean_pressure) > (self.opened, -self.opened_at):
-                self.opened, self.opened_at = share, point.mean_pressure
+            last = self.opened, -most.mean_pressure if most else 0.0
+            if (share, -point.mean_pressure) > last:
+                self.opened, self.most_opened = share, point
             if self.lightest is None or point.mean_pressure < self.lightest.mean_pressure:
                 self.lightest = point
 
@@ -174,21 +176,22 @@ def resolution(
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
     if share < FITTED.doubtful and opened <= FITTED.floor[1] and not broken:
         return Resolution(*FITTED.floor, held)
-    part = representative_part(hm)
+    part = representative_part(point.hm)
     finer = resample(part, np.asarray(part.spacing) / 2)
     if not fits(finer.shape, boundary, 1):
         return _unknown(f"{held}, and a finer grid does not fit into memory")
     # the heaviest load is left out: it takes longest and differs least
     # (docs/development/verification.md)
-    middle = math.sqrt(point.mean_pressure * max(heaviest, point.mean_pressure))
-    loads = np.unique([point.mean_pressure, middle, solved.opened_at or middle])
+    light, odd = (_on_part(each) for each in (point, solved.most_opened or point))
+    heaviest = max(heaviest, point.mean_pressure)
+    loads = np.unique([light, odd, math.sqrt(min(light, heaviest) * heaviest)])
     loads = np.minimum(loads, material.hardness)  # by rounding a solved load may exceed it
     load, area = np.maximum(FITTED.floor, _apart(part, finer, material, boundary, loads)).tolist()
     if math.isnan(load + area):
         return _unknown(f"{held}, and a load on a grid twice as fine did not converge")
     shares = (f"{x:.0%}" if x < 1 else "all" for x in (load, area))
     warning = CURE.format("{} of the load and {} of the contact area".format(*shares))
-    where = "of the map" if part is hm else f"of {tile} x {tile} points about its highest"
+    where = "of the map" if part is point.hm else f"of {tile} x {tile} points about its highest"
     told = f"{held}; {len(loads)} loads solved on a grid twice as fine {where}"
     large = load > FITTED.large[0] or area > FITTED.large[1]
     return Resolution(load, area, told, (warning,) if large else ())
@@ -222,15 +225,28 @@ def _apart(
     return FITTED.safety * float(load.max()), FITTED.safety * float(area.max())
 
 
-def representative_part(hm: HeightMap) -> HeightMap:
-    """The map itself, or the part of a large map about its highest point; tapered if periodic."""
-    tile = FITTED.tile
-    if max(hm.shape) <= tile:
-        return hm
+def _on_part(point: SolvedLoad) -> float:
+    """Mean pressure [Pa] on the `representative_part` at a load point of the map: by its contact
+    area, since contacts are under equal pressure, and no less than that on the map."""
+    share = point.contact[_window(point.hm)].mean() / point.contact.mean()
+    return point.mean_pressure * max(float(share), 1.0)
+
+
+def _window(hm: HeightMap) -> tuple[slice, slice]:
+    """Rows and columns of the part of a large map about its highest point, or all."""
+    tile = FITTED.tile if max(hm.shape) > FITTED.whole else max(hm.shape)
     start = [
         int(np.clip(at - tile // 2, 0, max(n - tile, 0)))
         for at, n in zip(hm.roughness.summit, hm.shape, strict=True)
     ]
-    rows, columns = ((at, min(at + tile, n)) for at, n in zip(start, hm.shape, strict=True))
-    part = hm.cut(rows, columns)
+    rows, columns = (slice(at, min(at + tile, n)) for at, n in zip(start, hm.shape, strict=True))
+    return rows, columns
+
+
+def representative_part(hm: HeightMap) -> HeightMap:
+    """The map itself, or the part of a large map about its highest point; tapered if periodic."""
+    if max(hm.shape) <= FITTED.whole:
+        return hm
+    rows, columns = _window(hm)
+    part = hm.cut((rows.start, rows.stop), (columns.start, columns.stop))
     return make_periodic(part, "taper") if hm.periodic else part

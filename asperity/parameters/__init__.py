@@ -241,9 +241,9 @@ class PixelUncertainty:
         one pixel.
     doubtful
         Least share [-] of the contact area in narrow contacts for which a finer grid is solved.
-    tile
-        Points along the sides of the part of a larger map, about its highest point, that is
-        refined.
+    whole, tile
+        Points along the sides of the largest map that is refined as a whole, and of the part of a
+        larger one, about its highest point, that is refined.
     safety
         Stated uncertainty over the largest difference between both grids [-].
     floor
@@ -254,7 +254,8 @@ class PixelUncertainty:
 
     narrow: float = 3.0
     doubtful: float = 0.5
-    tile: int = 512
+    whole: int = 512
+    tile: int = 256
     safety: float = 1.5
     floor: tuple[float, float] = (0.02, 0.05)
     large: tuple[float, float] = (0.05, 0.15)

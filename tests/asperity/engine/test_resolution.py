@@ -89,6 +89,20 @@ def test_uncertainty_covers_the_finer_grid(make):
     assert load <= stated[0] and area <= stated[1]
 
 
+def test_a_part_bears_the_load_of_its_contacts(monkeypatch):
+    """All that touches is one rough hill: its part is pressed as it is on the whole map."""
+    fine = waves(None, 256)
+    y, x = np.indices(fine.shape) - 128.0
+    hill = fine.replace(heights=fine.heights / fine.rms_height - (x**2 + y**2) / 250.0)
+    loads = [1e-5, 4e-5, 1.6e-4]
+    stated = {}
+    for tile in (128, 256):
+        monkeypatch.setattr(resolution, "FITTED", replace(FITTED, whole=tile, tile=tile))
+        stated[tile] = solve(hill, BODY, pressures=loads).verification["resolution_uncertainty"]
+    assert stated[256][1] > 2.0 * FITTED.floor[1]  # the case tells something
+    assert stated[128] == pytest.approx(stated[256], rel=0.2)
+
+
 def test_resolved_contacts_are_told_without_another_solution():
     hm = waves(12.0)
     curve = solve(hm, BODY)
