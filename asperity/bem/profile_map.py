@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from surfaces.errors import InputError, as_numbers
 from surfaces.heightmap import HeightMap
 
-__all__ = ["Profile", "axes", "gap", "map_of", "sampled", "section_box"]
+__all__ = ["Profile", "gap", "map_of", "sampled", "section_box"]
 
 Profile = Callable[[Any, Any], Any]
 """Gap f(r, phi) [m] between a body and the tangent plane at its summit."""
@@ -25,15 +25,6 @@ _MAX_RADIUS_RATIO = 1e9
 _CUT_DEPTH = 10.0
 """Depth below the summit, over the approach, at which a body is cut off: four times what the grid
 around the contact of a paraboloid shows."""
-
-
-def axes(
-    shape: tuple[int, ...], spacing: tuple[float, float], summit: tuple[float, float]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Columns x and rows y of the pixels of a map from its summit [m]."""
-    (dy, dx), (ny, nx) = spacing, shape
-    x, y = (np.arange(nx) + 0.5) * dx - summit[0], (np.arange(ny) + 0.5) * dy - summit[1]
-    return np.asarray(x), np.asarray(y)
 
 
 def sampled(
@@ -113,7 +104,8 @@ def map_of(
     """
     x0, x1, y0, y1 = box
     spacing, summit = ((y1 - y0) / grid, (x1 - x0) / grid), (-x0, -y0)
-    px, py = np.meshgrid(*axes((grid, grid), spacing, summit))
+    place = np.arange(0.5, grid)
+    px, py = np.meshgrid(spacing[1] * place + x0, spacing[0] * place + y0)
     below = gap(profile, np.hypot(px, py), np.arctan2(py, px))
     heights = -np.minimum(below, _CUT_DEPTH * approach)
     return HeightMap(heights, spacing, name="profile"), summit

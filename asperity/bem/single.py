@@ -16,7 +16,7 @@ from surfaces.errors import as_count, as_numbers
 
 from .certificate import Certificate
 from .memory import require_memory
-from .profile_map import Profile, axes, gap, map_of, sampled, section_box
+from .profile_map import Profile, gap, map_of, sampled, section_box
 from .solution import BemSolution
 from .solve import bem_solve
 
@@ -99,12 +99,12 @@ class BemIndentation:
     @property
     def x(self) -> NDArray[np.float64]:
         """Columns of `pressure_map` from the summit [m]."""
-        return axes(self.pressure_map.shape, self.solutions[-1].spacing, self.summit[-1])[0]
+        return self.solutions[-1].surface.x - self.summit[-1][0]
 
     @property
     def y(self) -> NDArray[np.float64]:
         """Rows of `pressure_map` from the summit [m]."""
-        return axes(self.pressure_map.shape, self.solutions[-1].spacing, self.summit[-1])[1]
+        return self.solutions[-1].surface.y - self.summit[-1][1]
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels.
@@ -250,7 +250,7 @@ def _one(
         prescribed = {"pressure": value / hm.area}
         if name == "approach":
             prescribed = {"separation": -value - mean}
-        x, y = np.meshgrid(*axes(hm.shape, hm.spacing, summit))
+        x, y = np.meshgrid(hm.x - summit[0], hm.y - summit[1])
         first = sampled(coarse.pressure, coarse.spacing, place, x, y)
         solution = bem_solve(
             hm, material, **prescribed, tolerance=tolerance, boundary="free", guess=first
