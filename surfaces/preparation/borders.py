@@ -79,7 +79,11 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
                 f"{min(hm.size):g} m"
             )
         across, along = _window(hm.y, hm.size[0], strip), _window(hm.x, hm.size[1], strip)
-        made = hm.with_rows(_faded(hm.source, across, along))
+        mean = hm.roughness.mean
+        made = hm.with_rows(
+            (begin, mean + (rows - mean) * (across[begin:end, None] * along))
+            for begin, end, rows in windows(hm.source)
+        )
         kept = np.count_nonzero(across == 1.0) * np.count_nonzero(along == 1.0)
         changed = float(hm.source.size - kept) / hm.source.size
         step["width"] = strip
@@ -105,16 +109,6 @@ def _mirrored(source: Source) -> Iterator[tuple[int, NDArray[np.float64]]]:
         rows = np.hstack([rows, rows[:, ::-1]])
         yield begin, rows
         yield 2 * source.shape[0] - end, rows[::-1]
-
-
-def _faded(
-    source: Source, across: NDArray[np.float64], along: NDArray[np.float64]
-) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Blocks of rows of an array that is tapered to its mean along y and x."""
-    total = sum(float(rows.sum()) for _, _, rows in windows(source))
-    mean = total / source.size
-    for begin, end, rows in windows(source):
-        yield begin, mean + (rows - mean) * (across[begin:end, None] * along)
 
 
 def _steps(hm: HeightMap) -> tuple[float, float]:
