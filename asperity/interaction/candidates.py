@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from asperity.interaction.newton.laws import Evaluated
 
     from .contact_system import ContactSystem
-    from .elongation import Elongation
 
 __all__ = ["CandidateList"]
 
@@ -147,7 +146,7 @@ class CandidateList:
             system.boundary,
             system.footprints,
             form=form,
-            widest=_widest(system, elongation, closed[some], law),
+            widest=_widest(system, closed[some], law),
         )
         index = index[coupling.order]
         problem = Problem(
@@ -204,9 +203,8 @@ class CandidateList:
         laws = system.laws.rows(rows[some])
         laws.make()
         law = laws(values[0, some])
-        elongation = None if self.problem.elongation is None else system.elongation
         coupling = self.problem.coupling
-        if not coupling.holds(_widest(system, elongation, rows[some], law)):
+        if not coupling.holds(_widest(system, rows[some], law)):
             return None
         many = min(1.0, len(touches) / MANY_CONTACTS)
         bound = max(LARGEST_FIELD_ERROR, many * ERROR_PER_TOLERANCE * tolerance)
@@ -280,16 +278,14 @@ def _overlaps(
     return rows, overlap - np.minimum(smooth, growth * smooth)
 
 
-def _widest(
-    system: ContactSystem, elongation: Elongation | None, closed: Rows, law: Evaluated
-) -> float:
+def _widest(system: ContactSystem, closed: Rows, law: Evaluated) -> float:
     """Variance [m^2] of the widest footprints of the contacts `closed` that the near pairs of a
     list allow for (`WIDEST_SHARE`)."""
     if not len(closed):
         return 0.0
     variance = system.footprints.variance(law.stiffness)
-    if elongation is not None:
-        along = elongation.rows(closed).along
+    if system.elongation is not None:
+        along = system.elongation.rows(closed).along
         variance = variance * np.maximum(1.0, ELONGATED_SHARE * along)
     order = np.argsort(variance)
     load = np.cumsum(law.force[order])
