@@ -98,14 +98,7 @@ def weights(place: float, known: list[float]) -> Array:
     """
     count = len(known)
     if count > 2 and len(set(known)) == count:
-        a, b, c = known
-        share = np.array(
-            [
-                (place - b) * (place - c) / ((a - b) * (a - c)),
-                (place - a) * (place - c) / ((b - a) * (b - c)),
-                (place - a) * (place - b) / ((c - a) * (c - b)),
-            ]
-        )
+        share = np.array([math.prod((place - b) / (a - b) for b in known if b != a) for a in known])
         if np.abs(share).max() <= LARGEST_WEIGHT:
             return share
     before, last = known[-2:]
