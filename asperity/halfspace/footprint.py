@@ -11,7 +11,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, hyp1f1
 
-__all__ = ["OUTSIDE_SHARE", "Footprints", "at_origin", "pair_table", "smooth_polynomials"]
+__all__ = ["OUTSIDE_SHARE", "Footprints", "pair_table", "smooth_part", "smooth_polynomials"]
 
 OUTSIDE_SHARE = 0.02
 """Share of a contact's own compliance that is kept outside its footprint (delta)."""
@@ -148,13 +148,6 @@ def smooth_polynomials(m: float, limit: float) -> NDArray[np.float64]:
     second = (edge - smooth_part(m, x)[4] / 8) / a
     fits = (chebyshev.cheb2poly(chebyshev.chebfit(t, f, SMOOTH_DEGREE)) for f in (edge, second))
     return np.stack(list(fits)) * (2 / limit) ** np.arange(SMOOTH_DEGREE + 1)
-
-
-@functools.lru_cache(maxsize=16)
-def at_origin(m: float) -> tuple[float, float, float]:
-    """f and its first two Laplacians at r = 0."""
-    value, first, second = (float(v[0]) for v in smooth_part(m, np.zeros(1))[:3])
-    return value, first, second
 
 
 def smooth_part(m: float, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:

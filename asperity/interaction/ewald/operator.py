@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.footprint import Footprints, at_origin, pair_table, smooth_polynomials
+from asperity.halfspace.footprint import Footprints, pair_table, smooth_part, smooth_polynomials
 from surfaces.numerics.parallel import each
 
 from . import _mesh_kernels, _near_kernels, _pair_kernels
@@ -186,7 +186,7 @@ class Interaction:
         )
         self.value_table, *tables = _tables(footprints.m, cut * cut)
         self.kernel = (*tables, BEADS, footprints.power)
-        self.own = at_origin(footprints.m)
+        self.own = tuple(float(v[0]) for v in smooth_part(footprints.m, np.zeros(1))[:3])
         self.scale = footprints.point * self.eta**-footprints.power
         self.unit = math.ldexp(1.0, math.frexp(self.eta / self.scale)[1])
         self.scales = self.scale * self.unit * np.array([1.0, self.eta**-2, 1 / self.eta])
