@@ -93,6 +93,11 @@ class _Whole:
         self._padded = padded
         self._threads = _own(threads()) if math.prod(padded) > _ONE_THREAD else 1
         self.values = scratch.zeros((shape[0], padded[1]), dtype)
+        self._plan(scratch)
+
+    def _plan(self, scratch: Scratch) -> None:
+        """Set `output` and `grid`, and what the transforms need."""
+        raise NotImplementedError
 
     def _scale(self, spectrum: NDArray[Any], symbol: NDArray[Any]) -> None:
         """Multiply a half spectrum by an even symbol."""
@@ -103,18 +108,11 @@ class _Whole:
 class FFTWTransform(_Whole):
     """FFTW pair whose output lies in the buffer of the spectrum."""
 
-    def __init__(
-        self,
-        shape: tuple[int, int],
-        padded: tuple[int, int],
-        dtype: np.dtype[Any],
-        scratch: Scratch,
-    ) -> None:
+    def _plan(self, scratch: Scratch) -> None:
         import pyfftw
 
-        super().__init__(shape, padded, dtype, scratch)
-        (ny, nx), rows = padded, shape[0]
-        complex_type = np.result_type(dtype, np.complex64)
+        (ny, nx), rows = self._padded, len(self.values)
+        complex_type = np.result_type(self.values.dtype, np.complex64)
         self.output = self._spectrum = scratch.zeros((ny, nx // 2 + 1), complex_type)
         self.grid = self._spectrum.view(self.values.dtype)[:rows]
 
@@ -152,15 +150,8 @@ class FFTWTransform(_Whole):
 class ScipyTransform(_Whole):
     """Pair of scipy.fft."""
 
-    def __init__(
-        self,
-        shape: tuple[int, int],
-        padded: tuple[int, int],
-        dtype: np.dtype[Any],
-        scratch: Scratch,
-    ) -> None:
-        super().__init__(shape, padded, dtype, scratch)
-        self.output = self.grid = scratch.zeros(self.values.shape, dtype)
+    def _plan(self, scratch: Scratch) -> None:
+        self.output = self.grid = scratch.zeros(self.values.shape, self.values.dtype)
 
     def apply(self, symbol: NDArray[Any]) -> None:
         """Convolve `values` into `grid`."""
