@@ -175,7 +175,7 @@ def bem_curve(
     # those followed together have one thread each, from their plans on
     problems = apart(planned, chains if together else chains[:1])
     problem = problems[0]
-    problem.prescribed(**{kind: float(values.max() if kind == "pressure" else values.min())})
+    problem.prescribed(kind, float(values.max() if kind == "pressure" else values.min()))
     prepared = time.perf_counter()
     solved: dict[int, SolvedLoad] = {}
     turn = threading.Lock()
@@ -221,7 +221,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     problem = path.problem
     exact = problem.finest.exact
     begun, pairs = time.perf_counter(), exact.pairs
-    solution = path.solve(**{kind: value})
+    solution = path.solve(kind, value)
     certificate = solution.reading.certificate
     contact = problem.finest.pressure > 0.0 if keep_map else _NO_MAP
     columns = answer(problem, solution) | {

@@ -143,12 +143,10 @@ class LoadPath:
         self._points = 0
         self._stiffness = 0.0
 
-    def solve(
-        self, *, pressure: float | None = None, separation: float | None = None
-    ) -> GridSolution:
+    def solve(self, kind: str, value: float) -> GridSolution:
         """Solve at the next mean pressure [Pa] or separation [m]."""
         problem = self.problem
-        goal = problem.prescribed(pressure, separation)
+        goal = problem.prescribed(kind, value)
         if not problem.touches(goal):
             self._old, self._means = None, (0.0, 0.0)
             problem.start(goal)

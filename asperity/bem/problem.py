@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +13,7 @@ from asperity.errors import InputError
 from asperity.halfspace.influence import influence
 from asperity.halfspace.load_points import chosen_boundary
 from asperity.halfspace.material import HalfSpace
-from surfaces.errors import as_number, shown
+from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics.parallel import threads as thread_count
 
@@ -27,7 +26,7 @@ from .solution import read_contact
 from .stiffness import contact_stiffness
 from .transform import Scratch
 
-__all__ = ["ContactProblem", "one_load"]
+__all__ = ["ContactProblem"]
 
 _COARSE_TOLERANCE = 1e-2
 """Bound on the certificate on the coarser grids."""
@@ -42,13 +41,6 @@ and those of pressures far below them."""
 
 _FLAT_UNIT = 1e-6
 """Unit inside of a flat map, over its pixels: it has no height of its own."""
-
-
-def one_load(name: str, given: Any) -> float:
-    """The load point of the kind `name` as a float; several are refused."""
-    if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
-        raise InputError(f"{name} is {shown(given)}; give one number, or all of them to bem_curve")
-    return as_number(name, given)
 
 
 class ContactProblem:
@@ -91,29 +83,10 @@ class ContactProblem:
         heights = hm.heights if self.unit == 1.0 else hm.heights / self.unit
         self.finest = NestedGrid(heights, exact, material.hardness * self.compliance)
 
-    def prescribed(
-        self, pressure: float | None = None, separation: float | None = None
-    ) -> Prescribed:
-        """What is asked for, in units inside."""
-        if (pressure is None) == (separation is None):
-            raise InputError("give exactly one of pressure and separation")
-        name = "separation" if pressure is None else "pressure"
-        given: Any = separation if pressure is None else pressure
-        value = one_load(name, given)
-        if pressure is not None:
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(
-                    f"pressure is {pressure!r} Pa; give a finite mean pressure, not negative"
-                )
-            if value > self.material.hardness:
-                raise InputError(
-                    f"pressure is {value:.6g} Pa, above the hardness of "
-                    f"{self.material.hardness:.6g} Pa that bounds it everywhere; give at most the "
-                    "hardness"
-                )
+    def prescribed(self, kind: str, value: float) -> Prescribed:
+        """What is asked for, in units inside: a mean pressure [Pa] or a separation [m]."""
+        if kind == "pressure":
             return Prescribed(mean=value * self.compliance)
-        if not math.isfinite(value):
-            raise InputError(f"separation is {separation!r} m; give a finite distance")
         if self.boundary == "periodic" and value <= 0.0 and math.isinf(self.finest.cap):
             raise InputError(
                 f"separation is {value:.4g} m; in a periodic cell it is the mean gap, which "

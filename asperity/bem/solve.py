@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
-from asperity.halfspace.load_points import expected_area_fraction, require_scene
+from asperity.halfspace.load_points import checked_load, expected_area_fraction, require_scene
 from asperity.halfspace.material import HalfSpace
 from surfaces.heightmap import HeightMap
 
 from .answer import answer
 from .correction import PressureOrigin
-from .problem import ContactProblem, one_load
+from .problem import ContactProblem
 from .solution import BemSolution
 
 __all__ = ["bem_solve"]
@@ -87,12 +87,10 @@ def bem_solve(
     warnings = scene_warnings(hm, material)
     warn_once(warnings)
     surface, hm = hm, hm.about_mean
-    share = None
-    if pressure is not None:
-        bounded = min(material.hardness, one_load("pressure", pressure))  # the hardness if NaN
-        share = expected_area_fraction(hm, material, bounded)
+    kind, load = checked_load(pressure, separation, material.hardness)
+    share = expected_area_fraction(hm, material, load) if kind == "pressure" else None
     problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary, share=share)
-    goal = problem.prescribed(pressure, separation)
+    goal = problem.prescribed(kind, load)
     prepared = time.perf_counter()
     touches = problem.touches(goal)
     start = _given(guess, hm.shape) if touches and guess is not None else None

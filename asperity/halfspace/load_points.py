@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
-from surfaces.errors import as_choice, as_numbers
+from surfaces.errors import as_choice, as_number, as_numbers, shown
 from surfaces.heightmap import HeightMap, require_map
 
 from .material import HalfSpace, require_half_space
@@ -18,6 +19,7 @@ __all__ = [
     "MOST_LOADS",
     "Boundary",
     "area_over_pressure",
+    "checked_load",
     "checked_loads",
     "chosen_boundary",
     "closed_share",
@@ -124,6 +126,34 @@ def closed_share(pressure: float) -> float:
     """Forecast of the area fraction of elastic random roughness at a mean pressure over E* h':
     erf(sqrt(pi)/2 x), where x is that by the proportionality of light loads (Persson 2001)."""
     return math.erf(0.5 * math.sqrt(math.pi) * AREA_OVER_LOAD * pressure)
+
+
+def checked_load(
+    pressure: object, separation: object, hardness: float = math.inf
+) -> tuple[str, float]:
+    """Kind ("pressure" or "separation") and value of the one load point that is given.
+
+    Both, neither or several are refused, values that are not finite, negative pressures, and those
+    above a hardness [Pa].
+    """
+    if (pressure is None) == (separation is None):
+        raise InputError("give exactly one of pressure and separation")
+    kind, given = ("pressure", pressure) if separation is None else ("separation", separation)
+    if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+        raise InputError(
+            f"{kind} is {shown(given)}; give one number, or all of them to bem_curve or "
+            "contact_curve"
+        )
+    value = as_number(kind, given)
+    if not math.isfinite(value) or (kind == "pressure" and value < 0.0):
+        what = "mean pressure, not negative" if kind == "pressure" else "distance"
+        raise InputError(f"{kind} is {given!r}; give a finite {what}")
+    if kind == "pressure" and value > hardness:
+        raise InputError(
+            f"pressure is {value:.6g} Pa, above the hardness of {hardness:.6g} Pa that bounds it "
+            "everywhere; give at most the hardness"
+        )
+    return kind, value
 
 
 def checked_loads(

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from asperity.errors import InputError
+from asperity.halfspace.load_points import checked_load
 from asperity.interaction.newton.laws import LEAST_BATCH
 from surfaces.errors import as_number
 
@@ -113,31 +114,21 @@ class Population(ContactSystem):
         InputError
             If not just one of separation and mean pressure is given, or a number cannot be used.
         """
-        if (separation is None) == (pressure is None):
-            raise InputError("give either separation or pressure")
+        kind, goal = checked_load(pressure, separation)
         if not as_number("tolerance", tolerance) > 0:
             raise InputError(f"tolerance must be positive, got {tolerance!r}")
-        if separation is not None:
-            separation = as_number("separation", separation)
-            if not math.isfinite(separation):
-                raise InputError(f"separation must be finite, got {separation!r} m")
-        if pressure is not None:
-            pressure = as_number("pressure", pressure)
-            if not 0 <= pressure < math.inf:
-                raise InputError(f"pressure must be finite and not negative, got {pressure:g} Pa")
         self.laws.foresee(None)
         last = Continuation(self) if state is None else state.continuation
-        if pressure is None:
-            assert separation is not None
-            return self._judged(reached(last, separation, tolerance))
+        if kind == "separation":
+            return self._judged(reached(last, goal, tolerance))
         if heaviest is not None and state is not None and state.mean_pressure > 0:
-            growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
+            growth = heaviest / state.mean_pressure if heaviest > goal else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
-        if pressure == 0:
+        if goal == 0:
             return self._judged(solve_at(last, self.highest, tolerance))
         if self.interaction:
-            return self._judged(reached(last, pressure, tolerance, loaded=True))
-        return self._judged(independent(last, pressure))
+            return self._judged(reached(last, goal, tolerance, loaded=True))
+        return self._judged(independent(last, goal))
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area

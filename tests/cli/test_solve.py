@@ -47,7 +47,7 @@ def test_anchored_run_keeps_its_anchors_and_goes_on(monkeypatch):
 
     original = bem.LoadPath.solve
     monkeypatch.setattr(
-        bem.LoadPath, "solve", lambda self, **load: (solved.append(load), original(self, **load))[1]
+        bem.LoadPath, "solve", lambda self, *load: (solved.append(load), original(self, *load))[1]
     )
     assert main([*anchored, "--resume"]) == 0
     again = ContactCurve.from_hdf5("results.h5", "anchored")

@@ -85,7 +85,7 @@ def test_a_load_is_solved_further_from_where_it_stands():
     found = []
     for origin in (PressureOrigin.GIVEN, PressureOrigin.SOLVED):
         problem = ContactProblem(rough((96, 128)), HalfSpace.from_modulus(1.0), tolerance=1e-2)
-        goal = problem.prescribed(2e-3)
+        goal = problem.prescribed("pressure", 2e-3)
         problem.start(goal)
         problem.finest.solve(goal, 1e-2, PressureOrigin.PROLONGED)
         pairs = problem.finest.exact.pairs

@@ -283,8 +283,8 @@ def test_unusable_input_is_refused(change, message):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({}, "either"),
-        ({"separation": 0.0, "pressure": 1.0}, "either"),
+        ({}, "exactly one of"),
+        ({"separation": 0.0, "pressure": 1.0}, "exactly one of"),
         ({"pressure": -1.0}, "negative"),
         ({"separation": np.nan}, "finite"),
         ({"separation": "low"}, "separation is 'low'"),
