@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
@@ -27,6 +25,14 @@ class HalfSpaceOperator:
     ``Lambda ~ |q|**(m-1)`` and ``Lambda(0) = 0``. Free: the half-space is at rest at infinity and
     carries no pressure outside the grid; exact cell-integrated influence, convolved by zero padding
     (docs/development/half_space.md). Buffers come from `scratch`.
+
+    Attributes
+    ----------
+    pressure, displacement
+        Pressure p~, which `apply` reads, and the displacement [m] that it found last: ny rows, nx
+        or more columns.
+    output
+        The memory of `displacement`, contiguous.
     """
 
     def __init__(
@@ -44,23 +50,14 @@ class HalfSpaceOperator:
         self.boundary = boundary
         self.compliance = compliance(spacing, material)
         self.pairs = 0
-        if boundary == "periodic":
-            self.padded = shape
-        else:
-            self.padded = (_padded_length(shape[0]), _padded_length(shape[1]))
+        self.padded = shape
+        if boundary != "periodic":  # fast even lengths that keep all points clear of their images
+            ny, nx = (2 * scipy.fft.next_fast_len(n, real=True) for n in shape)
+            self.padded = (ny, nx)
         self.symbol = self._scaled_symbol()
         self._convolution = convolution.plan(shape, self.padded, scratch=scratch)
         self.pressure = self._convolution.values
-
-    @property
-    def displacement(self) -> NDArray[np.float64]:
-        """Displacement [m] that `apply` found last: ny rows, nx or more columns."""
-        return self._convolution.grid
-
-    @property
-    def output(self) -> NDArray[Any]:
-        """The memory of `displacement`, contiguous."""
-        return self._convolution.output
+        self.displacement, self.output = self._convolution.grid, self._convolution.output
 
     def _scaled_symbol(self) -> NDArray[np.float64]:
         """Quadrant of the dimensionless symbol, divided by the number of points of the transform.
@@ -84,11 +81,3 @@ class HalfSpaceOperator:
         self._convolution.apply(self.symbol)
         self.pairs += 1
         return self.displacement
-
-
-def _padded_length(n: int) -> int:
-    """Even length of fast transforms that keeps n points clear of their images."""
-    length = scipy.fft.next_fast_len(2 * n - 1, real=True)
-    while length % 2:
-        length = scipy.fft.next_fast_len(length + 1, real=True)
-    return int(length)
