@@ -143,7 +143,8 @@ def spread(
     values: Single,
     first_x: Index,
     weight_x: Single,
-    rows_of: Index,
+    bounds: NDArray[np.int32],
+    rows_of: NDArray[np.int32],
     weight_of: Single,
     whole: bool,
     coarse: Single,
@@ -151,10 +152,10 @@ def spread(
     """Spread the listed values on rows of the coarse grid by B-splines, along x, then along y.
 
     `first_x` is -1 or more: points before and after a row of the coarse grid are those at its other
-    end. `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse row, filled up with
-    weights of zero. `whole` says that there are just 4 fine columns to a coarse one: then the
-    weights repeat, and a row with many points is spread phase by phase. A row is kept while coarse
-    rows that follow want it.
+    end. `rows_of`, `weight_of` list the fine rows of each coarse row, within its `bounds`
+    (nyc + 1,). `whole` says that there are just 4 fine columns to a coarse one: then the weights
+    repeat, and a row with many points is spread phase by phase. A row is kept while coarse rows
+    that follow want it.
     """
     nxc = coarse.shape[1]
     dense = np.empty(COARSENING * (nxc + 2 * TAPS), np.float32)
@@ -164,10 +165,10 @@ def spread(
     for y in range(rows[0], rows[1]):
         target = coarse[y]
         target[:] = np.float32(0.0)
-        for k in range(rows_of.shape[1]):
-            source, weight = rows_of[y, k], weight_of[y, k]
+        for k in range(bounds[y], bounds[y + 1]):
+            source, weight = rows_of[k], weight_of[k]
             first, last = start[source], start[source + 1]
-            if weight == 0.0 or last == first:
+            if last == first:
                 continue
             row = kept[source % _KEPT]
             if place[source % _KEPT] != source:

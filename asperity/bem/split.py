@@ -12,6 +12,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
+from scipy.sparse import csr_array
 
 from surfaces.numerics import parallel
 
@@ -54,7 +55,7 @@ class SplitOperator:
         )
         self._down, self._across = _taps(ny, exact.padded[0], nyc), _taps(nx, exact.padded[1], nxc)
         self._whole = exact.padded[1] == COARSENING * nxc
-        self._up = _transposed(*self._down, nyc)
+        self._up = _by_coarse_point(*self._down, nyc)
         self._symbol = _remainder(exact, stencil, (nyc, nxc))
 
     def bind(self, points: ContactList) -> None:
@@ -125,20 +126,15 @@ def _taps(count: int, period: int, coarse: int) -> tuple[NDArray[np.int64], NDAr
     return first, weights.astype(np.float32)
 
 
-def _transposed(
+def _by_coarse_point(
     first: NDArray[np.int64], weights: NDArray[np.float32], coarse: int
-) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """The weights by coarse point: fine rows and weights (coarse, k), zeros at the end."""
-    target = ((first[:, None] + np.arange(weights.shape[1])) % coarse).ravel()
-    source = np.repeat(np.arange(first.size), weights.shape[1])
-    order = np.argsort(target, kind="stable")
-    target, source, value = target[order], source[order], weights.ravel()[order]
-    number = np.bincount(target, minlength=coarse)
-    slot = np.arange(target.size) - np.repeat(np.cumsum(number) - number, number)
-    rows = np.zeros((coarse, int(number.max())), np.int64)
-    table = np.zeros(rows.shape, np.float32)
-    rows[target, slot], table[target, slot] = source, value
-    return rows, table
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
+    """The weights of `_taps` by coarse point: bounds of those of each, fine points and weights."""
+    target = (first[:, None] + np.arange(TAPS)) % coarse
+    source = np.repeat(np.arange(first.size), TAPS)
+    table = csr_array((weights.ravel(), (target.ravel(), source)), (coarse, first.size))
+    table.eliminate_zeros()
+    return table.indptr, table.indices, table.data
 
 
 def _remainder(
