@@ -160,9 +160,4 @@ def apart(
 def aside(function: Callable[[], Any]) -> None:
     """Call a function beside the rest, if more than one thread may be used; else leave it."""
     if threads() > 1:
-        _single(os.getpid()).submit(function)
-
-
-@functools.cache
-def _single(process: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(1, thread_name_prefix="aside")
+        threading.Thread(target=function).start()
