@@ -181,9 +181,18 @@ def bem_curve(
     turn = threading.Lock()
 
     def curve_of(indices: Sequence[int]) -> ContactCurve:
-        seconds = {"setup": prepared - begun, "loads": time.perf_counter() - prepared}
-        found = _curve(problem, [solved[i] for i in indices], seconds, asked)
-        return replace(found, extra={f"asked_{kind}": values[indices], **found.extra})
+        points = [solved[i] for i in indices]
+        columns: dict[str, Any] = {
+            name: np.array([point.columns[name] for point in points]) for name in points[0].columns
+        }
+        return ContactCurve(
+            **{name: columns.pop(name) for name in POINT_FIELDS},
+            model="bem",
+            seconds={"setup": prepared - begun, "loads": time.perf_counter() - prepared},
+            settings={**problem.settings(), **asked},
+            extra={f"asked_{kind}": values[indices], **columns},
+            reasons=tuple(point.reason for point in points),
+        )
 
     def follow(chain: range, stop: threading.Event) -> None:
         path = LoadPath(problems[-1] if chain.start else problem, allowed)
@@ -235,24 +244,6 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     if math.isfinite(problem.finest.cap):
         columns |= answer_of_hardness(problem, solution)
     return SolvedLoad(columns, contact, solution.reason, problem.hm)
-
-
-def _curve(
-    problem: ContactProblem,
-    points: Sequence[SolvedLoad],
-    seconds: dict[str, float],
-    asked: dict[str, Any],
-) -> ContactCurve:
-    names = points[0].columns
-    columns: dict[str, Any] = {name: np.array([p.columns[name] for p in points]) for name in names}
-    return ContactCurve(
-        **{name: columns.pop(name) for name in POINT_FIELDS},
-        model="bem",
-        seconds=seconds,
-        settings={**problem.settings(), **asked},
-        extra=columns,
-        reasons=tuple(point.reason for point in points),
-    )
 
 
 def _shares(kind: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
