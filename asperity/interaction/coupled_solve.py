@@ -19,7 +19,6 @@ from .population_state import Continuation, PopulationState
 if TYPE_CHECKING:
     from asperity.interaction.newton.state import Problem
 
-    from .contact_system import ContactSystem
 
 __all__ = ["CROWDED_AREA", "Start", "descend", "solve_at", "start_of"]
 
@@ -132,7 +131,7 @@ def solve_at(
             stands = True
             break
         good = None if listed is None else (current, solution)
-    reason, share = solution.reason, _share(system, solution)
+    reason, share = solution.reason, float(solution.laws.area.sum()) / system.nominal_area
     if reason and share > CROWDED_AREA:
         reason = (
             f"contacts fill {100 * share:.0f} % of the nominal area and do not settle ({reason}): "
@@ -195,11 +194,6 @@ def descend(problem: Problem, separation: float, start: Array, **settings: Any) 
         except StopIteration as end:
             found: Solution = end.value
             return found
-
-
-def _share(system: ContactSystem, solution: Solution) -> float:
-    """Contact area over nominal area."""
-    return float(solution.laws.area.sum()) / system.nominal_area
 
 
 def _ordered(last: Continuation, solution: Solution, tolerance: float) -> Solution:
