@@ -145,15 +145,23 @@ def checked_load(
             "contact_curve"
         )
     value = as_number(kind, given)
-    if not math.isfinite(value) or (kind == "pressure" and value < 0.0):
-        what = "mean pressure, not negative" if kind == "pressure" else "distance"
+    if not math.isfinite(value):
+        what = "mean pressure" if kind == "pressure" else "distance"
         raise InputError(f"{kind} is {given!r}; give a finite {what}")
-    if kind == "pressure" and value > hardness:
-        raise InputError(
-            f"pressure is {value:.6g} Pa, above the hardness of {hardness:.6g} Pa that bounds it "
-            "everywhere; give at most the hardness"
-        )
+    if kind == "pressure":
+        _require_pressures(value, value, hardness)
     return kind, value
+
+
+def _require_pressures(least: float, largest: float, hardness: float) -> None:
+    """Refuse mean pressures [Pa] of which the largest is above the hardness, or one is negative."""
+    if largest > hardness:
+        raise InputError(
+            f"mean pressure {largest:.4g} Pa is above the hardness of {hardness:.4g} Pa, which no "
+            "surface carries; take a smaller load or a larger hardness"
+        )
+    if least < 0.0:
+        raise InputError(f"mean pressure {least:.4g} Pa is negative; compression is positive")
 
 
 def checked_loads(
@@ -177,15 +185,8 @@ def checked_loads(
         raise InputError(f"{kind}s is empty; give at least one load point")
     if values.size > MOST_LOADS:
         raise InputError(f"{kind}s holds {values.size} load points; give at most {MOST_LOADS}")
-    if kind == "pressure" and values.max() > material.hardness:
-        raise InputError(
-            f"mean pressure {values.max():.4g} Pa is above the hardness of {material.hardness:.4g} "
-            "Pa, which no surface carries; take a smaller load or a larger hardness"
-        )
-    if kind == "pressure" and (values < 0).any():
-        raise InputError(
-            f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
-        )
+    if kind == "pressure":
+        _require_pressures(float(values.min()), float(values.max()), material.hardness)
     strange = (abs(values) > _LARGEST_LOAD) | ((abs(values) < 1 / _LARGEST_LOAD) & (values != 0))
     if strange.any():
         unit = "Pa" if kind == "pressure" else "m"

@@ -257,7 +257,7 @@ def test_stagnation_is_not_convergence(monkeypatch):
         ({"pressure": [1.0, 2.0]}, "give one number, or all of them to bem_curve"),
         ({"separation": np.ones(2)}, "give one number, or all of them to bem_curve"),
         ({"pressure": 10**400}, "must be a number"),
-        ({"pressure": -1.0}, "not negative"),
+        ({"pressure": -1.0}, "is negative"),
         ({"pressure": np.nan}, "finite mean pressure"),
         ({"pressure": "much"}, "must be a number"),
         ({"separation": 0.0}, "prescribe a pressure instead"),
