@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
-from asperity.microcontact.law_table import LazyTable
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import on_disk
 from surfaces.numerics.stored_array import StoredArray, mapped
@@ -27,7 +26,6 @@ from .plan import Plan
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
-    from surfaces.peaks.peaks import Peaks
     from surfaces.peaks.summits import Summits
 
 __all__ = ["Decomposition"]
@@ -44,15 +42,14 @@ class Decomposition:
     ----------
     hm, material, plan
         What it was made from.
-    peaks, summits
-        Segmentation and summits. Rays are sampled later, when `law_factory` makes a law.
+    summits
+        Summits, with the segmentation as `summits.peaks`. Rays are sampled later, when
+        `law_factory` makes a law.
     law_factory
         Makes the laws of the summits.
     curvature, angle
         Principal curvatures [1/m], shape (n, 2), and direction of the long axis [rad], (n,), that
         give the shape of each contact; those of joined summits differ from `summits.curvature`.
-    table
-        Contact laws, made when they are needed.
     seconds
         Time of each stage [s].
     """
@@ -60,23 +57,21 @@ class Decomposition:
     hm: HeightMap
     material: HalfSpace
     plan: Plan
-    peaks: Peaks
     summits: Summits
     law_factory: LawFactory
     curvature: Array
     angle: Array
-    table: LazyTable
     seconds: dict[str, float]
 
     @classmethod
     def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Decomposition:
         """Segment the map, locate the summits and prepare their laws."""
         seconds = {"plan": plan.seconds, "segmentation": 0.0, "profiles": 0.0, "laws": 0.0}
-        peaks, summits = _summits(hm, plan, seconds)
+        summits = _summits(hm, plan, seconds)
         shares = LoadShares.of(summits, plan.among) if plan.law == "auto" else None
         if shares is not None and plan.above is not None and not shares.full:
             plan = replace(plan, above=None)  # laws may not depend on the loads that are asked for
-            peaks, summits = _summits(hm, plan, seconds)
+            summits = _summits(hm, plan, seconds)
             shares = LoadShares.of(summits, plan.among)
         parameters, curvature, angle = plan.parameters, summits.curvature, summits.angle
         if shares is not None and parameters.corrections.joined_pairs:
@@ -84,19 +79,16 @@ class Decomposition:
             shares = LoadShares.of(summits, plan.among)
         stored = isinstance(summits.hm.source, StoredArray)
         if stored:
-            shares, peaks = shares and on_disk(shares), on_disk(peaks)
+            shares = shares and on_disk(shares)
             summits = on_disk(replace(summits, peaks=on_disk(summits.peaks)))
-        factory = LawFactory(summits, shares, material, plan.law, parameters, seconds)
         made = cls(
             hm=hm,
             material=material,
             plan=plan,
-            peaks=peaks,
             summits=summits,
-            law_factory=factory,
+            law_factory=LawFactory(summits, shares, material, plan.law, parameters, seconds),
             curvature=curvature,
             angle=angle,
-            table=factory.all_laws(),
             seconds=seconds,
         )
         return on_disk(made) if stored else made
@@ -109,7 +101,6 @@ class Decomposition:
         """A decomposition with the hardness of `material`, which shares the summits and the
         elastic laws of this one."""
         seconds = dict.fromkeys(self.seconds, 0.0)
-        factory = self.law_factory.of_hardness(material, seconds)
         law = self.plan.sub_contact_law
         if law is not None:
             law = replace(law, hardness=material.hardness)
@@ -117,8 +108,7 @@ class Decomposition:
             self,
             material=material,
             plan=replace(self.plan, sub_contact_law=law),
-            law_factory=factory,
-            table=factory.all_laws(),
+            law_factory=self.law_factory.of_hardness(material, seconds),
             seconds=seconds,
         )
 
@@ -129,7 +119,7 @@ class Decomposition:
             x=self.places[1],
             y=self.places[0],
             height=self.summits.height - self.hm.roughness.mean,
-            table=self.table,
+            table=self.law_factory.all_laws(),
             cell=self.hm.size,
             boundary=self.plan.boundary,
             material=self.material,
@@ -168,8 +158,9 @@ class Decomposition:
     @property
     def labels(self) -> NDArray[np.int32]:
         """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded."""
-        if self.peaks.labels.shape == self.hm.shape:
-            return mapped(self.peaks.labels)
+        labels = self.summits.peaks.labels
+        if labels.shape == self.hm.shape:
+            return mapped(labels)
         rows, cols = (np.arange(n) for n in self.hm.shape)
         return self.labels_at(rows[:, None], cols)
 
@@ -179,7 +170,7 @@ class Decomposition:
         The centre of a pixel of `hm` may lie on the border between pixels of `solved`: the highest
         of these pixels decides.
         """
-        labels, heights = self.peaks.labels, self.solved.source
+        labels, heights = self.summits.peaks.labels, self.solved.source
         if labels.shape == self.hm.shape:
             return np.asarray(labels[rows, cols])
         (below, above), (right, left) = (
@@ -282,7 +273,7 @@ class Decomposition:
         return self.plan.above is None or state.lowest_candidate >= self.plan.above
 
 
-def _summits(hm: HeightMap, plan: Plan, seconds: dict[str, float]) -> tuple[Peaks, Summits]:
+def _summits(hm: HeightMap, plan: Plan, seconds: dict[str, float]) -> Summits:
     """Peaks and summits of the map that is solved; adds the times of both to `seconds`."""
     start = time.perf_counter()
     solved = plan.solved(hm)
@@ -297,4 +288,4 @@ def _summits(hm: HeightMap, plan: Plan, seconds: dict[str, float]) -> tuple[Peak
     summits = locate_summits(solved, peaks)
     seconds["segmentation"] += between - start
     seconds["profiles"] += time.perf_counter() - between
-    return peaks, summits
+    return summits
