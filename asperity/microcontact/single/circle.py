@@ -18,7 +18,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import Basis, PowerBasis, basis_of, radius_at, samples, synthesis
 from .indentation import Indentation, contour_flags, profile_flags
-from .pressure import AxisymmetricPressure, HistoryPressure
+from .pressure import axisymmetric, history, of_harmonics
 
 __all__ = ["Expansion", "indent"]
 
@@ -138,27 +138,71 @@ def indent(
     basis = basis_of(profile, material.m)
     a = radius_at(basis, approach)
     known = np.isfinite(a) & (a > 0)
-    harmonic = Expansion.at(basis, a[known], material, published=False)
-    published = Expansion.at(basis, a[known], material, published=True)
+    harmonic, published = (
+        Expansion.at(basis, a[known], material, published=published) for published in (False, True)
+    )
     one = published if law == "paper" else harmonic
-    fields = _Fields(basis, material, law, one, approach, known)
     force, stiffness = one.first, one.first_stiffness()
     area = np.pi * (one.a**2 + one.variance())
     if law == "harmonic":
         force = force + one.second
         stiffness = stiffness + one.second_slope / one.slope
         area = one.resolved_area()
-    spread = expected_error(one.first, harmonic.second, published.second, law)
+
+    def filled(values: Array) -> Array:
+        """Rows for all approaches: zero without contact, NaN without solution."""
+        rows = np.repeat(np.where(approach > 0, np.nan, 0.0)[:, None], values.shape[1], axis=1)
+        rows[known] = values
+        return rows
 
     def everywhere(values: Array) -> Array:
-        return fields.fill(values[:, None])[:, 0]
+        return filled(values[:, None])[:, 0]
+
+    def boundary(state: Expansion, phi: Array) -> Array:
+        if law == "paper":
+            return state.boundary(basis.published(state.a, phi))
+        return state.resolved_boundary(phi)
+
+    def contour(phi: Array) -> Array:
+        return filled(boundary(one, phi))
+
+    def scaled(r: Array, phi: Array) -> Array:
+        """Axisymmetric pressure stretched to the contour [Pa], shape (approaches, points)."""
+        edge = boundary(one, phi)
+        if one.a.size == 0:
+            return filled(edge)
+        inside = edge > 0
+        stretched = np.where(inside, one.a[:, None] * r / np.where(inside, edge, 1.0), np.inf)
+        values = axisymmetric(basis, material, stretched, one.a)
+        if law == "harmonic":
+            for i, ratios in enumerate(one.ratios()):
+                values[i] += of_harmonics(
+                    basis, material, stretched[i], phi, float(one.a[i]), ratios
+                )
+        return filled(values)
+
+    def earlier(radii: Array) -> Expansion:
+        return Expansion.at(basis, radii, material, published=law == "paper")
+
+    def by_history(r: Array, phi: Array) -> Array:
+        """Pressure by the history integral [Pa], shape (approaches, points)."""
+        ratios = (lambda radii: earlier(radii).ratios()) if law == "harmonic" else None
+        rows = [
+            history(
+                basis, material, lambda radii, phi: boundary(earlier(radii), phi), ratios, a, r, phi
+            )
+            for a in one.a.tolist()
+        ]
+        return filled(np.reshape(rows, (one.a.size, phi.size)))
 
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-    flags = contour_flags(a, fields.fill(fields.first_order(phi)))
-    flags |= profile_flags(profile, approach, phi, fields.contour(phi))
-    error = everywhere(spread)
+    first_order = boundary(one, phi) if law == "paper" else one.boundary(one.edge(phi))
+    flags = contour_flags(a, filled(first_order))
+    flags |= profile_flags(profile, approach, phi, contour(phi))
+    error = everywhere(expected_error(one.first, harmonic.second, published.second, law))
     flags[error > _DOUBTFUL] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
+    similar = isinstance(basis, PowerBasis) and basis.powers.size == 1
     return Indentation(
         law=law,
         material=material,
@@ -169,74 +213,7 @@ def indent(
         stiffness=everywhere(stiffness),
         flags=flags,
         error_estimate=error,
-        contour_function=fields.contour,
-        pressure_function=fields.scaled if fields.similar else fields.history,
-        history_function=fields.history,
+        contour_function=contour,
+        pressure_function=scaled if law == "paper" or similar else by_history,
+        history_function=by_history,
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Fields:
-    """Contour and pressure of solved contacts; `known` marks the depths that have a solution."""
-
-    basis: Basis
-    material: HalfSpace
-    law: str
-    state: Expansion
-    depth: Array
-    known: NDArray[np.bool_]
-
-    @property
-    def similar(self) -> bool:
-        """Whether the scaled pressure is what the law gives by default."""
-        one_power = isinstance(self.basis, PowerBasis) and self.basis.powers.size == 1
-        return self.law == "paper" or one_power
-
-    def fill(self, values: Array) -> Array:
-        """Rows for all depths: zero without contact, NaN without solution."""
-        rows = np.repeat(np.where(self.depth > 0, np.nan, 0.0)[:, None], values.shape[1], axis=1)
-        rows[self.known] = values
-        return rows
-
-    def contour(self, phi: Array) -> Array:
-        """Boundary [m], shape (depths, phi.size)."""
-        return self.fill(self._boundary(self.state, phi))
-
-    def scaled(self, r: Array, phi: Array) -> Array:
-        """Axisymmetric pressure stretched to the contour [Pa], shape (depths, points)."""
-        one, edge = self.state, self._boundary(self.state, phi)
-        if one.a.size == 0:
-            return self.fill(np.empty((0, phi.size)))
-        inside = edge > 0
-        stretched = np.where(inside, one.a[:, None] * r / np.where(inside, edge, 1.0), np.inf)
-        field = AxisymmetricPressure(self.basis, self.material)
-        values = field(stretched, one.a)
-        if self.law == "harmonic":
-            for i, ratios in enumerate(one.ratios()):
-                values[i] += field.resolved(stretched[i], phi, float(one.a[i]), ratios)
-        return self.fill(values)
-
-    def history(self, r: Array, phi: Array) -> Array:
-        """Pressure by the history integral [Pa], shape (depths, points)."""
-        field = HistoryPressure(
-            self.basis,
-            self.material,
-            lambda radii, angles: self._boundary(self._earlier(radii), angles),
-            (lambda radii: self._earlier(radii).ratios()) if self.law == "harmonic" else None,
-        )
-        rows = [field(float(a), r, phi) for a in self.state.a]
-        return self.fill(np.reshape(rows, (self.state.a.size, phi.size)))
-
-    def first_order(self, phi: Array) -> Array:
-        """First-order contour [m] of the solved contacts: what the flags judge."""
-        if self.law == "paper":
-            return self._boundary(self.state, phi)
-        return self.state.boundary(self.state.edge(phi))
-
-    def _earlier(self, radii: Array) -> Expansion:
-        return Expansion.at(self.basis, radii, self.material, published=self.law == "paper")
-
-    def _boundary(self, state: Expansion, phi: Array) -> Array:
-        if self.law == "paper":
-            return state.boundary(self.basis.published(state.a, phi))
-        return state.resolved_boundary(phi)

@@ -15,7 +15,6 @@ its own contour, published or with those factors.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -27,7 +26,7 @@ from asperity.halfspace.material import HalfSpace
 
 from .basis import Basis, PowerBasis
 
-__all__ = ["AxisymmetricPressure", "HistoryPressure"]
+__all__ = ["axisymmetric", "history", "of_harmonics"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -54,9 +53,9 @@ _FEW = 500
 """Points up to which each is integrated by itself."""
 
 
-@dataclass(frozen=True, eq=False)
-class AxisymmetricPressure:
-    """Pressure p(r) [Pa] under the mean profile (equations 28, 51 of a round contact).
+def axisymmetric(basis: Basis, material: HalfSpace, r: Array, a: Array) -> Array:
+    """Pressure [Pa] under the mean profile (equations 28, 51 of a round contact) at the radii `r`,
+    shape (k, points), in contacts of radius `a` [m], shape (k,).
 
     Notes
     -----
@@ -64,73 +63,61 @@ class AxisymmetricPressure:
     function of 1 - (r/a)^2; at r = 0 it is infinite for k <= 1 - m. A table goes through
     ``x^2 = r^2 + s (a^2 - r^2)`` and a Gauss-Jacobi rule in s.
     """
+    rho = np.minimum(r / a[:, None], 1.0)
+    z = (1 - rho) * (1 + rho)
+    shape = _of_powers(basis, z, a) if isinstance(basis, PowerBasis) else _of_table(basis, z, a)
+    return np.asarray(material.modulus / np.pi * z ** ((1 + material.m) / 2) * shape)
 
-    basis: Basis
-    material: HalfSpace
 
-    def __call__(self, r: Array, a: Array) -> Array:
-        """Pressure at the radii `r`, shape (k, points), in contacts of radius `a`, shape (k,)."""
-        rho = np.minimum(r / a[:, None], 1.0)
-        z = (1 - rho) * (1 + rho)
-        m = self.material.m
-        shape = self._power_law if isinstance(self.basis, PowerBasis) else self._table
-        return np.asarray(self.material.modulus / np.pi * z ** ((1 + m) / 2) * shape(z, a))
+def _of_powers(basis: PowerBasis, z: Array, a: Array) -> Array:
+    """Shape of the pressure of a sum of powers at z = 1 - (r/a)^2, shape (k, points)."""
+    m, total = basis.m, np.zeros_like(z)
+    for factor, k in zip(basis.depth_factors * basis.powers, basis.powers, strict=True):
+        scale = factor * a ** (k + m - 1) / (1 + m)
+        total += scale[:, None] * hyp2f1(1 - k / 2, 1.0, (3 + m) / 2, z)
+    return total
 
-    def resolved(self, r: Array, phi: Array, a: float, ratios: Complex) -> Array:
-        """What the exact punches of each harmonic add at points (p,), stretched to the radius `a`.
 
-        `ratios` are the amplitudes of the contour over `a`, harmonics n = 1, 2, ....
-        """
-        m = self.material.m
-        rho = np.sin(np.pi / 2 * np.linspace(0.0, 1.0, _RADII))
-        s, w = _edge_rule(m)
-        x = a * np.sqrt(rho[:, None] ** 2 * (1 - s) + s)
-        slope = np.asarray(self._slope_at(x, a) * w / (2 * x))
-        count = min(ratios.size, _RESOLVED)
-        table = np.empty((rho.size, count))
-        inner = np.asarray(a * rho[:, None] / x)
-        for i in range(count):
-            table[:, i] = np.sum(slope * _punch_factor(inner, i + 1), axis=1)
-        inside = np.minimum(r / a, 1.0)
-        weight = a ** (1 + m) * ((1 - inside) * (1 + inside)) ** ((1 + m) / 2)
-        order = np.arange(1, count + 1)
-        wave = (ratios[:count] * np.exp(1j * np.multiply.outer(phi, order))).real
-        total = np.sum(CubicSpline(rho, table)(inside) * wave, axis=1)
-        return np.asarray(-(1 - m) * self.material.modulus / np.pi * weight * total)
+def _of_table(basis: Basis, z: Array, a: Array) -> Array:
+    """Shape of the pressure of a table at z = 1 - (r/a)^2, shape (k, points)."""
+    s, w = _edge_rule(basis.m)
+    grid = np.linspace(0.0, 1.0, _RADII) ** 2
+    x = np.max(a) * (np.arange(1, _SLOPES + 1) / _SLOPES) ** 1.5
+    slope = basis.depth(x, 1) / x
+    first = np.maximum(slope[0] - x[0] * (slope[1] - slope[0]) / (x[1] - x[0]), 0.0)
+    spline = PchipInterpolator(np.append(0.0, x), np.append(first, slope))
+    total = np.empty_like(z)
+    for row, (radius, where) in enumerate(zip(a, z, strict=True)):
+        x = radius * np.sqrt(grid[::-1, None] * (1 - s) + s)
+        values = np.sum(w * spline(x) / x, axis=1) / 2 * radius ** (1 + basis.m)
+        total[row] = PchipInterpolator(1 - grid[::-1], values)(where)
+    return total
 
-    def _slope_at(self, x: Array, a: float) -> Array:
-        """D'(x), closed for power laws, splined for tables."""
-        if isinstance(self.basis, PowerBasis):
-            return np.asarray((self.basis.depth(x.ravel(), 1) / x.ravel()).reshape(x.shape))
-        return np.asarray(self._slope(a)(x))
 
-    def _power_law(self, z: Array, a: Array) -> Array:
-        basis, m = self.basis, self.material.m
-        assert isinstance(basis, PowerBasis)
-        total = np.zeros_like(z)
-        for factor, k in zip(basis.depth_factors * basis.powers, basis.powers, strict=True):
-            scale = factor * a ** (k + m - 1) / (1 + m)
-            total += scale[:, None] * hyp2f1(1 - k / 2, 1.0, (3 + m) / 2, z)
-        return total
+def of_harmonics(
+    basis: Basis, material: HalfSpace, r: Array, phi: Array, a: float, ratios: Complex
+) -> Array:
+    """What the exact punches of each harmonic add to `axisymmetric` at points (p,), stretched to
+    the radius `a` [m].
 
-    def _table(self, z: Array, a: Array) -> Array:
-        m = self.material.m
-        s, w = _edge_rule(m)
-        grid = np.linspace(0.0, 1.0, _RADII) ** 2
-        slope = self._slope(float(np.max(a)))
-        total = np.empty_like(z)
-        for row, (radius, where) in enumerate(zip(a, z, strict=True)):
-            x = radius * np.sqrt(grid[::-1, None] * (1 - s) + s)
-            values = np.sum(w * slope(x) / x, axis=1) / 2 * radius ** (1 + m)
-            total[row] = PchipInterpolator(1 - grid[::-1], values)(where)
-        return total
-
-    def _slope(self, top: float) -> PchipInterpolator:
-        """D'(x) up to the radius `top`."""
-        x = top * (np.arange(1, _SLOPES + 1) / _SLOPES) ** 1.5
-        slope = self.basis.depth(x, 1) / x
-        first = np.maximum(slope[0] - x[0] * (slope[1] - slope[0]) / (x[1] - x[0]), 0.0)
-        return PchipInterpolator(np.append(0.0, x), np.append(first, slope))
+    `ratios` are the amplitudes of the contour over `a`, harmonics n = 1, 2, ....
+    """
+    m = material.m
+    rho = np.sin(np.pi / 2 * np.linspace(0.0, 1.0, _RADII))
+    s, w = _edge_rule(m)
+    x = a * np.sqrt(rho[:, None] ** 2 * (1 - s) + s)
+    slope: Array = basis.depth(x.ravel(), 1).reshape(x.shape) / x * w / (2 * x)
+    inner = a * rho[:, None] / x
+    count = min(ratios.size, _RESOLVED)
+    table = np.empty((rho.size, count))
+    for i in range(count):
+        table[:, i] = np.sum(slope * _punch_factor(inner, i + 1), axis=1)
+    inside = np.minimum(r / a, 1.0)
+    weight = a ** (1 + m) * ((1 - inside) * (1 + inside)) ** ((1 + m) / 2)
+    order = np.arange(1, count + 1)
+    wave = (ratios[:count] * np.exp(1j * np.multiply.outer(phi, order))).real
+    total = np.sum(CubicSpline(rho, table)(inside) * wave, axis=1)
+    return np.asarray(-(1 - m) * material.modulus / np.pi * weight * total)
 
 
 def _punch_factor(rho: Array, order: int) -> Array:
@@ -148,11 +135,19 @@ def _edge_rule(m: float) -> tuple[Array, Array]:
     return (1 + x) / 2, w * 2 ** (-q - 1)
 
 
-@dataclass(frozen=True, eq=False)
-class HistoryPressure:
-    """Pressure of one contact by the history integral.
+def history(
+    basis: Basis,
+    material: HalfSpace,
+    contour: Callable[[Array, Array], Array],
+    ratios: Callable[[Array], Complex] | None,
+    a: float,
+    r: Array,
+    phi: Array,
+) -> Array:
+    """Pressure [Pa] by the history integral at the points (r, phi), shape (p,), in the contact of
+    radius `a` [m]; NaN where the boundary has not only grown on the ray of the point.
 
-    Attributes
+    Parameters
     ----------
     contour
         Function (radii, angles) -> boundary a*(phi) [m] of the earlier contacts.
@@ -166,77 +161,48 @@ class HistoryPressure:
     that hold the point, by a Gauss-Jacobi rule in ``a*(phi)^2 - r^2``. More than 500 points are
     interpolated from a polar table (at its innermost radius where they lie further in).
     """
+    m = material.m
+    s, w = _edge_rule(m)
+    past = a * np.arange(1, _HISTORY + 1) / _HISTORY
+    shapes = None if ratios is None else ratios(past)[:, :_RESOLVED]
 
-    basis: Basis
-    material: HalfSpace
-    contour: Callable[[Array, Array], Array]
-    ratios: Callable[[Array], Complex] | None = None
+    def resolved(angle: float, then: Array, rho: Array) -> Array:
+        """1 - (1 - m) times the sum over n of d_n cos(n phi) q_n(rho) at the radii a* `then`."""
+        total = np.ones_like(then)
+        if shapes is None:
+            return total
+        order = np.arange(1, shapes.shape[1] + 1)
+        wave = (shapes * np.exp(1j * order * angle)).real
+        for column, n in zip(wave.T, order, strict=True):
+            if np.any(column):
+                total -= (1 - m) * np.interp(then, past, column) * _punch_factor(rho, n)
+        return total
 
-    def __call__(self, a: float, r: Array, phi: Array) -> Array:
-        """Pressure [Pa] at the points (r, phi), shape (p,), in the contact of radius `a` [m].
-
-        NaN where the boundary has not only grown on the ray of the point.
-        """
-        if r.size <= _FEW:
-            rays = self._rays(a, phi)
-            return np.array([self._on_ray(a, rays, i, r[i : i + 1])[0] for i in range(r.size)])
-        m = self.material.m
-        u = np.linspace(0.08, 0.995, _HISTORY_RADII)
-        angles = 2 * np.pi * np.arange(-4, _HISTORY_RAYS + 4) / _HISTORY_RAYS
-        rays = self._rays(a, angles)
-        rho = u * u
-        table = np.stack(
-            [self._on_ray(a, rays, i, rho * rays.edges[-1, i]) for i in range(angles.size)]
-        )
-        spline = RectBivariateSpline(angles, u, table / (1 - rho * rho) ** ((1 + m) / 2))
-        edge = self.contour(np.array([a]), phi)[0]
-        share = np.where(edge > r, r / np.where(edge > 0, edge, 1.0), 1.0)
-        place = np.clip(np.sqrt(share), u[0], 1.0)
-        smooth = spline(np.mod(phi, 2 * np.pi), place, grid=False)
-        return np.asarray(smooth * (1 - share * share) ** ((1 + m) / 2))
-
-    def _rays(self, a: float, phi: Array) -> _Rays:
-        past = a * np.arange(1, _HISTORY + 1) / _HISTORY
-        edges = np.vstack([np.zeros(phi.size), self.contour(past, phi)])
-        shapes = None if self.ratios is None else self.ratios(past)[:, :_RESOLVED]
-        return _Rays(phi, np.append(0.0, past), edges, shapes)
-
-    def _on_ray(self, a: float, rays: _Rays, i: int, r: Array) -> Array:
-        """Pressure at the radii `r` of ray i."""
-        m = self.material.m
-        s, w = _edge_rule(m)
-        line = rays.edges[:, i]
+    def on_ray(angle: float, earlier: Array, r: Array) -> Array:
+        """Pressure at the radii `r` of a ray, of whose boundaries those at `past` are `earlier`."""
+        line = np.append(0.0, earlier)
         if np.any(np.diff(line) <= 0):
             return np.full(r.shape, np.nan)
         span = np.maximum((line[-1] - r) * (line[-1] + r), 0.0)
         edge = np.sqrt(r[:, None] ** 2 + s * span[:, None])
-        inverse = PchipInterpolator(line, rays.past)
+        inverse = PchipInterpolator(line, np.append(0.0, past))
         then = np.maximum(inverse(edge), 1e-300)
-        slope = self.basis.depth(then.ravel(), 1).reshape(then.shape) / then
+        slope = basis.depth(then.ravel(), 1).reshape(then.shape) / then
         rate = slope * inverse(edge, 1) / (2 * edge) * (edge / then) ** (1 - m)
-        if rays.shapes is not None:
-            rate *= 1 - (1 - m) * rays.punches(i, then / a, r[:, None] / edge)
-        total = span ** ((1 + m) / 2) * (rate @ w)
-        return np.asarray(self.material.modulus / np.pi * np.where(span > 0, total, 0.0))
+        total = span ** ((1 + m) / 2) * ((rate * resolved(angle, then, r[:, None] / edge)) @ w)
+        return np.asarray(material.modulus / np.pi * np.where(span > 0, total, 0.0))
 
-
-@dataclass(frozen=True, eq=False)
-class _Rays:
-    """Earlier contours on some rays: a* (k,), a*(phi) (k, rays), amplitudes over a* (k-1, n)."""
-
-    phi: Array
-    past: Array
-    edges: Array
-    shapes: Complex | None
-
-    def punches(self, i: int, share: Array, rho: Array) -> Array:
-        """Sum over n of d_n cos(n phi) q_n(rho) at the moments ``share`` of the history."""
-        assert self.shapes is not None
-        n = np.arange(1, self.shapes.shape[1] + 1)
-        wave = (self.shapes * np.exp(1j * n * self.phi[i])).real
-        place, moments = share * _HISTORY - 1, np.arange(_HISTORY)
-        total = np.zeros_like(share)
-        for column, order in zip(wave.T, n, strict=True):
-            if np.any(column):
-                total += np.interp(place, moments, column) * _punch_factor(rho, order)
-        return total
+    if r.size <= _FEW:
+        rays = zip(phi, contour(past, phi).T, r[:, None], strict=True)
+        return np.concatenate([np.empty(0), *(on_ray(*ray) for ray in rays)])
+    u = np.linspace(0.08, 0.995, _HISTORY_RADII)
+    angles = 2 * np.pi * np.arange(-4, _HISTORY_RAYS + 4) / _HISTORY_RAYS
+    rho = u * u
+    boundaries = zip(angles, contour(past, angles).T, strict=True)
+    table = np.stack([on_ray(angle, earlier, rho * earlier[-1]) for angle, earlier in boundaries])
+    spline = RectBivariateSpline(angles, u, table / (1 - rho * rho) ** ((1 + m) / 2))
+    edge = contour(np.array([a]), phi)[0]
+    share = np.where(edge > r, r / np.where(edge > 0, edge, 1.0), 1.0)
+    place = np.clip(np.sqrt(share), u[0], 1.0)
+    smooth = spline(np.mod(phi, 2 * np.pi), place, grid=False)
+    return np.asarray(smooth * (1 - share * share) ** ((1 + m) / 2))
