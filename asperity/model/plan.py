@@ -23,7 +23,7 @@ from asperity.halfspace.load_points import (
     slope_scale,
 )
 from asperity.microcontact.laws import TABULATORS
-from asperity.multiscale.wave_split import chosen_split, solved_grid
+from asperity.multiscale.wave_split import chosen_grid
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
 from surfaces.checks import constant, lay, seam_warning
@@ -212,12 +212,7 @@ def make_plan(
         coupled, why = interaction_needed(hm, material, kind, values, parameters)
     reasons.append(why)
     cell = hm if edge == "periodic" or not hm.periodic else hm.replace(periodic=False)
-    split, whys = chosen_split(cell, material, coupled, scales, parameters)
-    if split is None:
-        resampled, holds = solved_grid(cell, scales, parameters)
-        whys.append(holds)
-    else:
-        resampled = split.coarse
+    resampled, fine, whys = chosen_grid(cell, material, coupled, scales, parameters)
     solved = hm if resampled is None else resampled.hm
     points = math.prod(solved.shape)
     above, why = None, "segmentation: the whole map, which has few points"
@@ -246,7 +241,7 @@ def make_plan(
         above=above,
         reasons=tuple(reasons),
         resampled=resampled,
-        sub_contact_law=None if split is None else split.law,
+        sub_contact_law=fine,
         warnings=warnings,
         estimated=estimated,
         seconds=seconds,

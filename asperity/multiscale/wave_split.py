@@ -13,8 +13,7 @@ contacts the fine waves leave part of the area open and lift the flat (`SubConta
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +32,7 @@ from .sub_contact_law import SubContactLaw
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
 
-__all__ = ["Split", "chosen_split", "refined_map", "solved_grid", "split_scales"]
+__all__ = ["Split", "chosen_grid", "refined_map", "split_scales"]
 
 
 Array = NDArray[np.float64]
@@ -64,7 +63,9 @@ def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap |
     return "a finer one would hold the waves near its pixels better, but takes long"
 
 
-def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[Resampled | None, str]:
+def _solved_grid(
+    hm: HeightMap, scales: str, parameters: Parameters
+) -> tuple[Resampled | None, str]:
     """The map with all its waves on the coarser or finer grid to solve, None for its own grid, and
     the reason."""
     shape = f"{hm.shape[0]} x {hm.shape[1]}"
@@ -88,8 +89,7 @@ def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[Res
     return None, f"grid: {shape} points, {finer or 'as given'}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Split:
+class Split(NamedTuple):
     """A map split into its longer waves and a law of its fine waves.
 
     Attributes
@@ -147,25 +147,30 @@ def split_scales(
     return Split(coarse, law)
 
 
-def chosen_split(
+def chosen_grid(
     hm: HeightMap, material: HalfSpace, coupled: bool, scales: str, parameters: Parameters
-) -> tuple[Split | None, list[str]]:
-    """The split of the waves of a map, None if it is solved with all waves, and the reasons."""
+) -> tuple[Resampled | None, SubContactLaw | None, list[str]]:
+    """The map on the grid to solve, None for its own; the law of the waves that this map leaves
+    out, None if it holds them all; and the reasons."""
     if scales != "auto":
-        return None, ["scales: all, as asked"]
-    if not coupled:
-        return None, ["scales: all, contacts do not interact"]
-    if not parameters.corrections.wave_split:
-        return None, ["scales: all, the split of waves is switched off"]
-    split = split_scales(hm, material, parameters)
-    if isinstance(split, str):
-        return None, [split]
-    (ny, nx), law = split.coarse.hm.shape, split.law
-    return split, [
-        f"scales: waves shorter than {law.shortest:.3g} m act as a law of the contacts of "
-        f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared slope",
-        f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
-    ]
+        why = "scales: all, as asked"
+    elif not coupled:
+        why = "scales: all, contacts do not interact"
+    elif not parameters.corrections.wave_split:
+        why = "scales: all, the split of waves is switched off"
+    else:
+        split = split_scales(hm, material, parameters)
+        if isinstance(split, Split):
+            (ny, nx), law = split.coarse.hm.shape, split.law
+            return *split, [
+                f"scales: waves shorter than {law.shortest:.3g} m act as a law of the contacts of "
+                f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared "
+                "slope",
+                f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
+            ]
+        why = split
+    resampled, holds = _solved_grid(hm, scales, parameters)
+    return resampled, None, [why, holds]
 
 
 def _law(

@@ -91,7 +91,6 @@ def _stencils() -> Array:
     return out
 
 
-@lru_cache(maxsize=8)
 def _resampling(p: float) -> tuple[Array, Array, NDArray[np.int64], Array]:
     """Nodes j/K, their powers p, the level below each, and the weights of `resampled`."""
     u = np.arange(1, INTERVALS + 1) / INTERVALS

@@ -238,7 +238,6 @@ def _stiffness_forms(m: float, ratio: Array, degree: int, moments: Array) -> Arr
     return np.array(out).T
 
 
-@lru_cache(maxsize=8)
 def edge_slopes(m: float, degree: int) -> Array:
     """Operators R and R' of docs/development/laws.md in Fourier modes up to an even degree.
 

@@ -166,7 +166,7 @@ class _EdgeFields:
 def _rows(m: float) -> Array:
     """Matrices of R and R' per axis ratio, flattened; a mode is two entries of the transform, the
     mean is one."""
-    rows = edge_slopes(m, _MODES).copy()
+    rows = edge_slopes(m, _MODES)
     rows[..., 0, :] *= 2
     return rows.reshape(len(rows), -1)
 
