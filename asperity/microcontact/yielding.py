@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, hyp2f1
 
+from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import kappa
 from surfaces.numerics.compiled import compiled
@@ -125,9 +126,9 @@ def capped(
     edge = d[late] - full * body.edge * mean / k[late]
     sunk = full * body.displacement(deficit) / k[late]
     if level is not None:
-        soft, growth = body.softness(deficit), (1 + material.m) / 2
+        soft = body.softness(deficit)
         edge += (line[late] - edge) * soft
-        disc = material.modulus / growth * (a[late] / np.pi) ** growth
+        disc = Footprints(material.modulus, material.m).punch(np.sqrt(a[late] / np.pi))
         sunk *= (k[late] / disc) ** (soft / 2)
     d[late] = edge + sunk
     saturated[late] = body.saturated(deficit)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import Flag
+from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ray_laws import expected_error
 from surfaces.polar import PolarProfile, PowerSumProfile
@@ -107,11 +108,6 @@ class Expansion:
         """Edge amplitude e(phi) [m], shape (k, phi.size)."""
         return synthesis(self.amplitudes, phi)
 
-    def first_stiffness(self) -> Array:
-        """2 E* a^(1+m) / (1+m): slope of the first-order force [N/m]."""
-        m = self.material.m
-        return np.asarray(2 * self.material.modulus * self.a ** (1 + m) / (1 + m))
-
     def variance(self) -> Array:
         """Mean square of the first-order deviation of the contour [m^2]."""
         return np.asarray(
@@ -142,7 +138,7 @@ def indent(
         Expansion.at(basis, a[known], material, published=published) for published in (False, True)
     )
     one = published if law == "paper" else harmonic
-    force, stiffness = one.first, one.first_stiffness()
+    force, stiffness = one.first, Footprints(material.modulus, material.m).punch(one.a)
     area = np.pi * (one.a**2 + one.variance())
     if law == "harmonic":
         force = force + one.second
