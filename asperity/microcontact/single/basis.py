@@ -8,7 +8,6 @@ Derivatives are taken with ``a d/da``, under which a power r^j is multiplied by 
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -63,11 +62,7 @@ class PowerBasis:
         self.orders = np.arange(1, _HIGHEST + 1)
         self.harmonics = spectrum[:, 1 : _HIGHEST + 1]
         self.means = _means(profile) if profile.corners else spectrum[:, 0].real / 2
-
-    @property
-    def depth_factors(self) -> Array:
-        """Coefficients of a^k in D(a)."""
-        return np.asarray(self.means * kappa(self.m, self.powers))
+        self.depth_factors = self.means * kappa(self.m, self.powers)  # of a^k in D(a)
 
     def depth(self, a: Array, order: int = 0) -> Array:
         """``(a d/da)^order`` of the approach D(a) [m]."""
@@ -155,20 +150,16 @@ class TableBasis:
             self._last = key, moments(self.m, edges, np.arange(lowest + 1, highest + 5))
         return self._last[1]
 
-    @cached_property
-    def _kinks(self) -> Array:
-        """Jumps of the second derivative of the mean profile at the inner nodes, times R^2."""
-        x = self.nodes[1:] / self.nodes[-1]
-        change = np.diff(self._mean, axis=0)
-        return np.asarray(2 * change[:, 2] + 6 * change[:, 3] * x)
-
     def _jumps(self, a: Array) -> Array:
-        """Share of the jumps of f'' in ``(a d/da)^2 D``."""
-        r = self.nodes[1:]
+        """Share in ``(a d/da)^2 D`` of the jumps of f'', the second derivative of the mean profile,
+        at the inner nodes."""
+        r, change = self.nodes[1:], np.diff(self._mean, axis=0)
+        x = r / self.nodes[-1]
         t = np.minimum(r / a[:, None], 1.0)
         with np.errstate(divide="ignore"):
             weight = np.where(t < 1, (1 - t * t) ** ((self.m - 1) / 2), 0.0)
-        return np.asarray((weight * t * t) @ (self._kinks * (r / r[-1]) ** 2))
+        kinks = 2 * change[:, 2] + 6 * change[:, 3] * x
+        return np.asarray((weight * t * t) @ (kinks * x**2))
 
 
 Basis = PowerBasis | TableBasis
