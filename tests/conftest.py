@@ -1,9 +1,13 @@
-"""Shared fixtures: where the measured maps lie, and how a test without them is skipped."""
+"""Shared fixtures: where the measured maps lie, and jobs without processes of their own."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,3 +25,25 @@ def measured() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no measured maps at {folder.name}; set ASPERITY_MEASURED to their folder")
     return folder
+
+
+class Here:
+    """A pool whose one worker is this process."""
+
+    workers = 1
+
+    def submit(self, call: Callable[..., Any], *args: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        future.set_result(call(*args))
+        return future
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Jobs run in this process: no other is started."""
+
+    @contextmanager
+    def opened(on: object, jobs: int) -> Iterator[Here]:
+        yield Here()
+
+    monkeypatch.setattr("asperity.distributed.sweep.opened", opened)

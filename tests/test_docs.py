@@ -66,7 +66,7 @@ def folder(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
     return tmp_path
 
 
-def test_python_on_the_pages_runs(folder):
+def test_python_on_the_pages_runs(here, folder):
     blocks = [text for name, text in _blocks("python") if name != "README.md"]
     assert len(blocks) >= 3
     for text in blocks:
@@ -159,7 +159,7 @@ def _on_the_page(page: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("page", FOR_USERS, ids=lambda page: page.stem)
-def test_commands_on_the_pages_run(page: Path, folder: Path, capsys):
+def test_commands_on_the_pages_run(page: Path, here, folder: Path, capsys):
     """One after the other in one folder, as a reader would: none stands in the way of another."""
     (folder / "results.h5").unlink()
     for command in _on_the_page(page):

@@ -31,7 +31,7 @@ def examples(name: str) -> list[doctest.DocTest]:
 
 
 @pytest.mark.parametrize("name", PUBLIC)
-def test_the_example_runs(name):
+def test_the_example_runs(name, here):
     found = examples(name)
     assert found, f"{name} has no example"
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)

@@ -2,55 +2,56 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
+from collections.abc import Callable
 from pathlib import Path
+from runpy import run_path
 
+import matplotlib
 import pytest
+from matplotlib import pyplot
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
-def run(name: str, folder: Path) -> str:
-    code = f"import sys; sys.path.insert(0, {str(EXAMPLES.parent)!r}); " + (
-        f"import runpy; runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=folder,
-        env={**os.environ, "MPLBACKEND": "Agg"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+@pytest.fixture
+def run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[[str], str]:
+    """Runs an example in an empty folder, and returns what it prints."""
+    matplotlib.use("Agg")
+    monkeypatch.setattr(pyplot, "show", lambda: pyplot.close("all"))
+    monkeypatch.chdir(tmp_path)
+
+    def of(name: str) -> str:
+        run_path(str(EXAMPLES / name), run_name="__main__")
+        return capsys.readouterr().out
+
+    return of
 
 
-def test_ten_lines(tmp_path):
-    share = re.search(r"([\d.]+) % touches", run("01_ten_lines.py", tmp_path))
+def test_ten_lines(run):
+    share = re.search(r"([\d.]+) % touches", run("01_ten_lines.py"))
     assert share is not None
     assert float(share[1]) == pytest.approx(2.5, abs=0.05)
 
 
-def test_compare_with_bem(tmp_path):
-    text = run("02_compare_with_bem.py", tmp_path)
+def test_compare_with_bem(run, tmp_path):
+    text = run("02_compare_with_bem.py")
     overlap = re.search(r"overlap ([\d.]+)", text)
     assert overlap is not None
     assert float(overlap[1]) > 0.6
     assert (tmp_path / "report.html").stat().st_size > 20_000
 
 
-def test_measured_map(tmp_path):
-    text = run("03_measured_map.py", tmp_path)
+def test_measured_map(run):
+    text = run("03_measured_map.py")
     assert "10 points, 10 converged" in text
     assert "'step': 'level'" in text
 
 
-def test_graded_half_space(tmp_path):
-    text = run("04_graded_half_space.py", tmp_path)
+def test_graded_half_space(run):
+    text = run("04_graded_half_space.py")
     pairs = re.findall(r"mean pressure (\S+) Pa, boundary elements (\S+) Pa", text)
     assert len(pairs) == 6
     for model, reference in pairs:
@@ -63,21 +64,21 @@ def test_the_readme_shows_the_first_example():
     assert code.partition("# %%")[0].strip() in readme
 
 
-def test_one_contact(tmp_path):
-    text = run("05_one_contact.py", tmp_path)
+def test_one_contact(run):
+    text = run("05_one_contact.py")
     errors = re.findall(r"mN, (\S+) % of force, expected (\S+) %", text)
     (published, _), (resolved, expected) = ((float(a), float(b)) for a, b in errors)
     assert published == pytest.approx(-4.15, abs=0.1)
     assert abs(resolved) < min(expected, abs(published) / 4)
 
 
-def test_picture(tmp_path):
-    assert "The model is" in run("06_picture.py", tmp_path)
+def test_picture(run, tmp_path):
+    assert "The model is" in run("06_picture.py")
     assert (tmp_path / "contact.png").stat().st_size > 20_000
 
 
-def test_beyond_the_curve(tmp_path):
-    text = run("07_beyond_the_curve.py", tmp_path)
+def test_beyond_the_curve(run, tmp_path):
+    text = run("07_beyond_the_curve.py")
     assert len(re.findall(r" carr(?:y|ies) 1\.000000 of the load", text)) == 2
     conductance = re.search(r"conductance (\S+) S", text)
     assert conductance is not None
@@ -86,8 +87,8 @@ def test_beyond_the_curve(tmp_path):
     assert (tmp_path / "contact.vti").is_file()
 
 
-def test_hardness(tmp_path):
-    text = run("08_hardness.py", tmp_path)
+def test_hardness(run):
+    text = run("08_hardness.py")
     touches = [float(share) for share in re.findall(r"(\S+) % touches", text)]
     assert len(touches) == 4 and touches == sorted(touches, reverse=True)
     first, again = (float(a) for a in re.findall(r"(?:elements|elastically): (\S+) %", text))
@@ -99,9 +100,9 @@ def numbers(pattern: str, text: str) -> list[float]:
     return [float(value) for value in re.findall(pattern, text)]
 
 
-def test_cut_off(tmp_path):
+def test_cut_off(run):
     """Rougher maps touch less; the area fraction is 2 to 2.6 p / (E* h')."""
-    text = run("09_cut_off.py", tmp_path)
+    text = run("09_cut_off.py")
     slopes, areas = numbers(r"slope (\S+),", text), numbers(r"(\S+) % touches", text)
     assert areas == sorted(areas)
     factors = [
@@ -110,15 +111,15 @@ def test_cut_off(tmp_path):
     assert 2.0 < min(factors) and max(factors) < 2.6
 
 
-def test_two_bodies(tmp_path):
-    text = run("10_two_bodies.py", tmp_path)
+def test_two_bodies(run):
+    text = run("10_two_bodies.py")
     assert "E* = 58.6 GPa, hardness 1.0 GPa" in text
     ground, blasted, both = numbers(r"(\S+) um apart", text)
     assert both > max(ground, blasted)
 
 
-def test_worn_surface(tmp_path):
-    text = run("11_worn_surface.py", tmp_path)
+def test_worn_surface(run):
+    text = run("11_worn_surface.py")
     areas, spots, separations = (
         numbers(pattern, text) for pattern in (r"(\S+) % in", r"in (\d+) spots", r"(\S+) um from")
     )
@@ -128,9 +129,9 @@ def test_worn_surface(tmp_path):
         assert separations[worn] < separations[new]
 
 
-def test_ensemble(tmp_path):
+def test_ensemble(run):
     """Light loads scatter more."""
-    text = run("12_ensemble.py", tmp_path)
+    text = run("12_ensemble.py")
     light, heavy = (numbers(rf"([\d.]+) % at {load}", text) for load in ("0.1 MPa", "10 MPa"))
     assert len(light) == 2
     assert all(a > 1.5 * b > 0 for a, b in zip(light, heavy, strict=True))
@@ -147,8 +148,6 @@ def test_every_story_is_tested_and_has_a_title_and_a_picture():
 
 def test_figures_of_the_paper(tmp_path):
     """A coarse run of the script that regenerates them: contours, errors, pressure."""
-    from runpy import run_path
-
     script = run_path(str(EXAMPLES / "paper_figures.py"))
     assert script["main"](["--quick", "--only", "1,6", "--out", str(tmp_path)]) == 0
     rows = (tmp_path / "fig01.csv").read_text().splitlines()

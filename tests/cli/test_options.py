@@ -62,28 +62,38 @@ def test_the_short_name_is_that_of_the_output_and_what_is_written_is_guarded():
         assert not old & known.keys(), parser.prog
 
 
-@pytest.fixture
-def folder(folder: Path) -> Path:
-    """A folder with the files that the examples name."""
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The files that the examples name."""
+    folder = tmp_path_factory.mktemp("examples")
     hm = surfaces.self_affine(
         (48, 60), (4.8e-4, 6e-4), hurst=0.8, rms_slope=0.1, cutoff=6e-5, seed=1
     )
     for name in ("scan", "scans/a", "scans/b", "raw/c"):
-        Path(name).parent.mkdir(exist_ok=True)
-        surfaces.write(hm, f"{name}.h5")
-    Path("plan.toml").write_text('files = "scans/*.h5"\n[[material]]\nE = ["70GPa", "210GPa"]\n')
-    np.savetxt("heights.csv", 1e6 * hm.heights, delimiter=",")
+        (folder / name).parent.mkdir(exist_ok=True)
+        surfaces.write(hm, folder / f"{name}.h5")
+    (folder / "plan.toml").write_text(
+        'files = "scans/*.h5"\n[[material]]\nE = ["70GPa", "210GPa"]\n'
+    )
+    np.savetxt(folder / "heights.csv", 1e6 * hm.heights, delimiter=",")
     turn = 2 * np.pi * np.arange(32) / 32
-    with h5py.File("profile.h5", "w") as file:
+    with h5py.File(folder / "profile.h5", "w") as file:
         file["r"], file["phi"] = (radii := np.linspace(0, 2e-6, 24)), turn
         file["f"] = 1e5 * radii[:, None] ** 2 * (1 + 0.1 * np.cos(2 * turn))
     material = asperity.HalfSpace(210e9, 0.3)
-    asperity.compare(hm, material, pressures=[1e8, 3e8]).to_hdf5("compared.h5")
+    asperity.compare(hm, material, pressures=[1e8, 3e8]).to_hdf5(folder / "compared.h5")
+    return folder
+
+
+@pytest.fixture
+def folder(files: Path, folder: Path) -> Path:
+    """A fresh copy of these files."""
+    shutil.copytree(files, folder, dirs_exist_ok=True)
     return folder
 
 
 @pytest.mark.parametrize("command", [*COMMANDS])
-def test_examples_of_the_help_run(command, folder, capsys):
+def test_examples_of_the_help_run(command, here, folder, capsys):
     with pytest.raises(SystemExit):
         main([command, "--help"])
     text = re.split(r"^examples?:", capsys.readouterr().out, flags=re.M)[1]

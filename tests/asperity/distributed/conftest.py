@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -46,25 +43,3 @@ def maps(tmp_path: Path) -> Callable[[int], list[Path]]:
 def without_dask(monkeypatch: pytest.MonkeyPatch) -> None:
     """As if dask.distributed were not installed."""
     monkeypatch.setitem(sys.modules, "distributed", None)
-
-
-class Here:
-    """A pool whose one worker is this process."""
-
-    workers = 1
-
-    def submit(self, call: Callable[..., Any], *args: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_result(call(*args))
-        return future
-
-
-@pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Jobs run in this process: no other is started."""
-
-    @contextmanager
-    def opened(on: object, jobs: int) -> Iterator[Here]:
-        yield Here()
-
-    monkeypatch.setattr("asperity.distributed.sweep.opened", opened)
