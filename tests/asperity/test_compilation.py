@@ -150,15 +150,14 @@ print(forms() - known or "{}")
     assert done.stdout.strip() == "{}"
 
 
-@pytest.mark.parametrize(
-    "change", ["numpy.__version__ = '0'", "numba.__version__ = '0'", "sys.version = '0'"]
-)
-def test_another_version_has_a_folder_of_its_own(change, tmp_path):
-    def folder(first):
-        code = f"import sys, numba, numpy; {first}; from surfaces.numerics import compiled as c"
-        return printed(f"{code}; print(c.cache_folder())", tmp_path)
-
-    assert folder("pass") == folder("pass") != folder(change)
+@pytest.mark.parametrize("version", ["numpy.__version__", "numba.__version__", "sys.version"])
+def test_another_version_has_a_folder_of_its_own(version, monkeypatch, tmp_path):
+    monkeypatch.setattr("numba.config.CACHE_DIR", str(tmp_path))
+    folder = _compiled.cache_folder.__wrapped__
+    known = folder()
+    assert folder() == known and known.parent == tmp_path
+    monkeypatch.setattr(version, "0")
+    assert folder() != known
 
 
 def test_a_folder_that_cannot_be_written_gives_way_to_a_temporary_one(tmp_path):
