@@ -182,9 +182,4 @@ def row_of(job: Job, result: JobResult | None) -> dict[str, str | float]:
     told = {"state": found["state"], "reason": found["reason"], **found}
     told.pop("values", None)
     kept = found["state"] in ("done", "not converged")
-    return {
-        **job.row,
-        **told,
-        "digest": job.digest,
-        "file": f"{RESULTS}/{job.file}" if kept else "",
-    }
+    return {**job.row, **told, "file": f"{RESULTS}/{job.file}" if kept else ""}

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surfaces.errors import FileFormatError, InputError
+from surfaces.errors import FileFormatError
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
-from ._damage import DAMAGED, naming_damage
+from ._damage import brief, naming_damage
 from .arrays import as_map, chosen_spacing, require_unnamed
 
 __all__ = ["SDF_SIGNATURES", "read_instrument", "read_sdf", "read_x3p"]
@@ -99,8 +99,16 @@ def read_instrument(
     hint, what keeps the file from being read otherwise, is told where this library cannot either.
     """
     library = _library(path, hint)
-    try:
-        with np.errstate(all="ignore"), library.open_topography(str(path)) as reader:
+    errors = library.Exceptions
+    with naming_damage(path, hint=hint, also=(errors.ReadFileError,)), np.errstate(all="ignore"):
+        try:
+            opened = library.open_topography(str(path))
+        except errors.CannotDetectFileFormat as error:
+            raise FileFormatError(
+                f"{path}: not HDF5, npy, npz or rows of numbers, nor a format that "
+                f"SurfaceTopography knows, or damaged{hint}"
+            ) from error
+        with opened as reader:
             channel = _channel(reader, path, dataset)
             # the library uses one unit for heights and lengths
             scale = channel.height_scale_factor
@@ -119,18 +127,6 @@ def read_instrument(
             periodic = bool(topography.is_periodic)
             length_x, length_y = topography.physical_sizes
             instrument = (topography.info.get("instrument") or {}).get("name")
-    except InputError:
-        raise
-    except library.Exceptions.CannotDetectFileFormat as error:
-        raise FileFormatError(
-            f"{path}: not HDF5, npy, npz or rows of numbers, nor a format that SurfaceTopography "
-            f"knows, or damaged{hint}"
-        ) from error
-    except (*DAMAGED, library.Exceptions.ReadFileError) as error:
-        reason = " ".join(f"{type(error).__name__}: {error}".split())[:120]
-        raise FileFormatError(
-            f"{path}: damaged, or not as its format says ({reason}){hint}"
-        ) from error
     if instrument:
         origin["instrument"] = str(instrument)
     nx, ny = heights.shape
@@ -155,20 +151,14 @@ def _sizes(
 def _library(path: Path, hint: str) -> Any:
     try:
         return importlib.import_module("SurfaceTopography")
-    except ModuleNotFoundError as error:
-        if error.name != "SurfaceTopography":
-            raise FileFormatError(
-                f"{path}: the extra for instrument formats is broken ({error}); run {_PIP}"
-            ) from error
-        raise FileFormatError(
-            f"{path}: not HDF5, npy, npz or rows of numbers; instrument formats need: {_PIP}{hint}"
-        ) from error
     except _BROKEN_EXTRA as error:
-        reason = " ".join(str(error).split())[:120]
-        raise FileFormatError(
-            f"{path}: the extra for instrument formats is broken "
-            f"({type(error).__name__}: {reason}); reinstall it with: {_PIP} --force-reinstall"
-        ) from error
+        text = (
+            f"the extra for instrument formats is broken ({type(error).__name__}: {brief(error)}); "
+            f"reinstall it with: {_PIP} --force-reinstall"
+        )
+        if isinstance(error, ModuleNotFoundError) and error.name == "SurfaceTopography":
+            text = f"not HDF5, npy, npz or rows of numbers; instrument formats need: {_PIP}{hint}"
+        raise FileFormatError(f"{path}: {text}") from error
 
 
 def _channel(reader: Any, path: Path, name: str | None) -> Any:
