@@ -11,6 +11,11 @@ from typing import Any
 
 import pytest
 
+# Before numpy is imported. Each process of tests would have a thread of OpenBLAS for every
+# processor; where they wait for each other, dense systems of some hundred rows took thirty times
+# as long.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 
 def measured_folder() -> Path:
     """Folder of the measured maps: ASPERITY_MEASURED, or shared/measured beside the checkout."""
