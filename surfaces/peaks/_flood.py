@@ -23,16 +23,18 @@ _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
 @compiled()
-def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, stop, window, way):
+def ascend(heights, periodic, above, distances, link, start, stop):
     """Link each flooded pixel of the rows [start, stop) to its steepest higher neighbor.
 
-    `inverse` holds 1/distance to the neighbors above, beside and diagonal. Pixels without a higher
-    neighbor are collected: strict peaks in `peaks`, members of plateaus in `flats`. `runs` gets the
-    first pixel and the end of each flooded run of a row; `window` (3, nx + 2) and `way` (nx,) are
-    scratch. Returns the three counts.
+    `distances` are those to the neighbors above, beside and diagonal. Returns the pixels without a
+    higher neighbor, strict peaks and members of plateaus, and of each flooded run of a row the
+    first pixel and the end, (runs, 2).
     """
     ny, nx = heights.shape
-    inv_y, inv_x, inv_d = inverse
+    inv_y, inv_x, inv_d = 1.0 / distances[0], 1.0 / distances[1], 1.0 / distances[2]
+    peaks, flats = np.empty((stop - start) * nx, np.int32), np.empty((stop - start) * nx, np.int32)
+    runs = np.empty(((stop - start) * (nx // 2 + 1), 2), np.int32)
+    window, way = np.empty((3, nx + 2)), np.empty(nx, np.int32)
     one, two, side, top = np.uint64(1), np.uint64(2), np.int32(1), FLAT + np.int32(1)
     n_peaks = 0
     n_flats = 0
@@ -108,7 +110,7 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
                     link[base + c] = FLAT
                     flats[n_flats] = base + c
                     n_flats += 1
-    return n_peaks, n_flats, n_runs
+    return peaks[:n_peaks], flats[:n_flats], runs[:n_runs]
 
 
 @inner()
@@ -297,14 +299,15 @@ def _doubled(keys, passes, used):
 
 
 @compiled()
-def merge(height, low, high, passes, min_prominence, top, keeper, saddle, parent):
+def merge(height, low, high, passes, lowest, min_prominence):
     """Join basins over their passes, highest first.
 
-    Kruskal's maximum spanning tree by union-find. Fills for each peak but the highest the height of
-    its `saddle`, its `parent` (the highest peak across the saddle), and its `keeper`, the peak that
-    gets its basin when peaks below `min_prominence` are pruned. At first each peak is its own
-    `keeper`, and its own `top`, the highest peak of its group.
+    Kruskal's maximum spanning tree by union-find. Returns for each peak the height of its saddle
+    (the `lowest` if it has none), its parent (the highest peak across the saddle; -1 if none), and
+    its keeper, the peak that gets its basin when peaks below `min_prominence` are pruned.
     """
+    saddle, parent = np.full(height.size, lowest), np.full(height.size, -1)
+    top, keeper = np.arange(height.size), np.arange(height.size)  # the highest of each group first
     for e in range(passes.size):
         a, b = root(top, low[e]), root(top, high[e])
         if a == b:
@@ -320,3 +323,4 @@ def merge(height, low, high, passes, min_prominence, top, keeper, saddle, parent
             keeper[b] = a
     for peak in range(height.size):
         keeper[peak] = keeper[keeper[peak]]
+    return saddle, parent, keeper

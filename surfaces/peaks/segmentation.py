@@ -14,7 +14,7 @@ from surfaces.numerics.stored_array import each_block, windows
 
 from . import _flood
 from .peaks import Peaks
-from .strips import Flooded, ascended, flood_strips, unique_pairs
+from .strips import Flooded, flood_strips, neighbor_distances, unique_pairs
 
 __all__ = ["segment"]
 
@@ -166,13 +166,8 @@ def _merged(
     peaks may have several of the passes."""
     order = _falling(passes, keys)
     low = keys[order] // height.size
-    saddle, parent = np.full(height.size, lowest), np.full(height.size, -1)
-    keeper, top = np.arange(height.size), np.arange(height.size)
-    _flood.merge(
-        *(height, low, keys[order] - low * height.size, passes[order], limit),
-        *(top, keeper, saddle, parent),
-    )
-    return saddle, parent, keeper
+    high = keys[order] - low * height.size
+    return _flood.merge(height, low, high, passes[order], lowest, limit)  # type: ignore[no-any-return]
 
 
 def _falling(
@@ -211,7 +206,9 @@ def _links(
     heights = hm.heights
     link = np.empty(heights.size, np.int32)
     found = parallel.run(
-        lambda start, stop: ascended(heights, hm, above, link, start, stop),
+        lambda start, stop: _flood.ascend(
+            heights, hm.periodic, above, neighbor_distances(hm), link, start, stop
+        ),
         parallel.lines(heights.shape[0], heights.size),
     )
     summits = [part[0] for part in found]

@@ -14,7 +14,7 @@ from surfaces.numerics.stored_array import BLOCK_BYTES, StoredArray, rows_around
 
 from . import _flood
 
-__all__ = ["Flooded", "ascended", "flood_strips", "unique_pairs"]
+__all__ = ["Flooded", "flood_strips", "neighbor_distances", "unique_pairs"]
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
@@ -133,7 +133,9 @@ def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | Non
         above_all, below_all = not hm.periodic and top <= 0, not hm.periodic and last + halo >= ny
         begin, end = -top if above_all else 1, ny - top if below_all else len(window) - 1
         link = np.full(window.size, -1, np.int32)
-        peaks, flats, runs = ascended(window, hm, above, link, begin, end)
+        peaks, flats, runs = _flood.ascend(
+            window, hm.periodic, above, neighbor_distances(hm), link, begin, end
+        )
         flat = flats.astype(np.int64)
         ends = [row for row, whole in ((begin, above_all), (end - 1, below_all)) if not whole]
         cut = flat[np.isin(flat // nx, ends)]
@@ -166,19 +168,9 @@ def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | Non
     return _Strip(place, heights.ravel()[summit], labels[1:-1], counts, pairs, passes)
 
 
-def ascended(
-    heights: Array, hm: HeightMap, above: float, link: Index, start: int, stop: int
-) -> tuple[Index, Index, Index]:
-    """Strict peaks, members of plateaus and runs of the rows [start, stop) of heights of a map, of
-    which the `link` is filled: see `_flood.ascend`."""
-    nx, (dy, dx) = heights.shape[1], hm.spacing
-    peaks, flats = np.empty((2, (stop - start) * nx), np.int32)
-    runs = np.empty(((stop - start) * (nx // 2 + 1), 2), np.int32)
-    n_peaks, n_flats, n_runs = _flood.ascend(
-        *(heights, hm.periodic, above, (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx)), link),
-        *(peaks, flats, runs, start, stop, np.empty((3, nx + 2)), np.empty(nx, np.int32)),
-    )
-    return peaks[:n_peaks], flats[:n_flats], runs[:n_runs]
+def neighbor_distances(hm: HeightMap) -> tuple[float, float, float]:
+    """Distances [m] of a pixel to its neighbors above, beside and diagonal."""
+    return *hm.spacing, float(np.hypot(*hm.spacing))
 
 
 def _reach(
