@@ -11,9 +11,9 @@ from scipy.sparse.csgraph import connected_components
 
 from .numerics import parallel
 from .numerics.compiled import inner
-from .numerics.stored_array import Source, windows
+from .numerics.stored_array import Source
 
-__all__ = ["count_patches", "label_patches", "points_at", "root"]
+__all__ = ["count_patches", "ends_of", "label_patches", "points_at", "root"]
 
 
 def label_patches(
@@ -76,16 +76,12 @@ def points_at(
     table = np.zeros(1 << bits, np.bool_)
     table[_hashed(levels, bits)] = True
 
-    def part(first: int, last: int) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        found = []
-        for begin, _, rows in windows(heights, first, last):
-            row, column = np.nonzero(table[_hashed(rows, bits)])
-            found.append((row + begin, column))
-        return found
+    def found(place: slice, rows: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+        row, column = np.nonzero(table[_hashed(rows, bits)])
+        return row + place.start, column
 
-    ny, nx = heights.shape
-    parts = [pair for each in parallel.run(part, parallel.lines(ny, ny * nx)) for pair in each]
-    row, column = (np.concatenate(places) for places in zip(*parts, strict=True))
+    parts = zip(*parallel.over_rows(found, heights), strict=True)
+    row, column = (np.concatenate(places) for places in parts)
     return row, column
 
 
@@ -95,6 +91,17 @@ def _hashed(heights: NDArray[np.float64], bits: int) -> NDArray[np.uint64]:
     words *= np.uint64(0x9E3779B97F4A7C15)
     words >>= np.uint64(64 - bits)
     return words
+
+
+def ends_of(lead: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Thing at the end of the way from each thing to the one that it leads to, and so on; those at
+    an end lead to themselves."""
+    for _ in range(lead.size):
+        further = lead[lead]
+        if np.array_equal(further, lead):
+            break
+        lead = further
+    return lead
 
 
 @inner()

@@ -104,10 +104,10 @@ def _filter(line, m, periodic):
 
 
 @compiled()
-def _filter_columns(heights, periodic, flat, line, start, stop):
+def _filter_columns(heights, periodic, flat, start, stop):
     """Filter the columns [start, stop) of the map into the padded array `flat`."""
     ny, nx = heights.shape
-    width = nx + 2 * PAD
+    width, line = nx + 2 * PAD, np.empty((ny + 2 * PAD) * LINES)
     source = heights.ravel()
     for left in range(start, stop, LINES):
         lanes = min(LINES, stop - left)
@@ -128,9 +128,9 @@ def _filter_columns(heights, periodic, flat, line, start, stop):
 
 
 @compiled()
-def _filter_rows(flat, nx, periodic, line, start, stop):
+def _filter_rows(flat, nx, periodic, start, stop):
     """Filter the rows [start, stop) of the padded array in place."""
-    width = nx + 2 * PAD
+    width, line = nx + 2 * PAD, np.empty((nx + 2 * PAD) * LINES)
     for top in range(start, stop, LINES):
         lanes = min(LINES, stop - top)
         for k in range(0, lanes, _SIDE):
@@ -277,12 +277,12 @@ def _coefficients(
     out = np.empty((ny + 2 * PAD, nx + 2 * PAD))
     flat = out.ravel()
 
-    def columns(start: int, stop: int) -> None:
-        _filter_columns(heights, around_y, flat, np.empty(len(out) * LINES), start, stop)
-
-    def rows(start: int, stop: int) -> None:
-        _filter_rows(flat, nx, around_x, np.empty(out.shape[1] * LINES), start, stop)
-
-    parallel.run(columns, parallel.lines(nx, out.size))
-    parallel.run(rows, parallel.lines(len(out), out.size))
+    parallel.run(
+        lambda start, stop: _filter_columns(heights, around_y, flat, start, stop),
+        parallel.lines(nx, out.size),
+    )
+    parallel.run(
+        lambda start, stop: _filter_rows(flat, nx, around_x, start, stop),
+        parallel.lines(len(out), out.size),
+    )
     return out

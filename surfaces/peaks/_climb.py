@@ -170,13 +170,10 @@ def climb(heights, flat, width, labels, periodic, row, col, n, tilt, c):
 
 @compiled()
 def summits(
-    heights, flat, width, labels, periodic, row, col, tilt, order, places, expansions, kinds, c,
-    first, last,
-):  # fmt: skip
-    """Climb from the peaks ``order[first:last]``: places (n, 2), expansions (n, 6), kinds (n,).
-
-    c (40,) is scratch.
-    """
+    heights, spline, labels, periodic, row, col, tilt, order, places, expansions, kinds, first, last
+):
+    """Climb from the peaks ``order[first:last]``: places (n, 2), expansions (n, 6), kinds (n,)."""
+    flat, width, c = spline.ravel(), spline.shape[1], np.empty(40)
     for k in range(first, last):
         n = order[k]
         if k + _AHEAD < last:
@@ -235,9 +232,7 @@ def _frame(a, b, c):
 
 
 @compiled()
-def frames(
-    height, rows, spacing, depth, pixels, places, expansions, kinds, summit, curvature, angle
-):  # fmt: skip
+def frames(height, rows, spacing, depth, pixels, places, expansions, kinds):
     """Place and height (n, 3), principal curvatures (n, 2) and direction (n,) of all peaks.
 
     Without a summit: the `height` of the pixel, and the round paraboloid that fills the basin down
@@ -246,6 +241,8 @@ def frames(
     axis.
     """
     dy, dx = spacing
+    summit, curvature = np.empty((height.size, 3)), np.empty((height.size, 2))
+    angle = np.empty(height.size)
     for n in range(height.size):
         found = kinds[n] == SUMMIT
         filled = 2.0 * math.pi * depth[n] / (pixels[n] * dy * dx)
@@ -261,3 +258,4 @@ def frames(
             angle[n] = 0.0
         summit[n, 0], summit[n, 1] = (places[n, 1] + 0.5) * dx, (places[n, 0] + 0.5) * dy
         summit[n, 2] = expansions[n, 0] if found else height[n]
+    return summit, curvature, angle

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import BLOCK_BYTES, StoredArray, rows_around
+from surfaces.patches import ends_of
 
 from . import _flood
 
@@ -218,11 +219,8 @@ def _names(strips: list[_Strip], rank: Pixels, periodic: bool) -> list[Pixels]:
                 label = strips[other % len(strips)].labels[1 - side]
                 lead[at : at + nx] = np.where(label >= 0, first[other % len(strips)] + label, -1)
     lead[lead < 0] = first[-1]
-    while True:
-        further = lead[lead]
-        if np.array_equal(further, lead):
-            return [peak[lead[a:b]] for a, b in itertools.pairwise(first)]
-        lead = further
+    names = peak[ends_of(lead)]
+    return [names[a:b] for a, b in itertools.pairwise(first)]
 
 
 def unique_pairs(keys: Pixels, passes: Array, n: int) -> tuple[Pixels, Array]:

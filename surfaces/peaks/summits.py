@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from surfaces.errors import SurfaceError, as_count
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel, splines
-from surfaces.numerics.stored_array import mapped, most_together
+from surfaces.numerics.stored_array import Source, mapped, most_together
+from surfaces.patches import ends_of
 
 from . import _climb
 from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops, require_peaks
@@ -72,21 +73,15 @@ class Summits(SummitArrays):
         row, col = peaks.row.copy(), peaks.col.copy()
         heights, labels = hm.mapped, mapped(peaks.labels)
         _climb.uphill(heights, labels, self.owner, hm.periodic, own["tilt"], index, row, col)
-        expansions = np.empty((len(self), 6))
-        _climb.summits(
-            heights, self.spline.ravel(), self.spline.shape[1], labels, hm.periodic, row,
-            col, own["tilt"], index, own["places"], expansions, own["kinds"],
-            np.empty(40), 0, len(index),
-        )  # fmt: skip
-        found = np.empty((len(index), 3)), np.empty((len(index), 2)), np.empty(len(index))
-        _climb.frames(
+        places, kinds = own["places"], own["kinds"]
+        start = (row, col, own["tilt"], index)
+        expansions = _climbed(hm, peaks.labels, self.spline, start, places, kinds)
+        summit, own["curvature"][index], own["angle"][index] = _climb.frames(
             hm.source[row[index], col[index]], hm.shape[0], hm.spacing, peaks.prominence[index],
-            self.pixels[index], own["places"][index], expansions[index], own["kinds"][index],
-            *found,
+            self.pixels[index], places[index], expansions[index], kinds[index],
         )  # fmt: skip
-        (own["x"][index], own["y"][index], own["height"][index]) = found[0].T
-        own["curvature"][index], own["angle"][index] = found[1:]
-        own["valid"][index] &= own["kinds"][index] == SUMMIT
+        own["x"][index], own["y"][index], own["height"][index] = summit.T
+        own["valid"][index] &= kinds[index] == SUMMIT
         return replace(self, **own)
 
     def near(self, index: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -120,16 +115,9 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
             raise SurfaceError("the map is constant; there is no summit to fit")
         depth = np.maximum(depth, 1e-6 * relief)
     spline = splines.coefficients(hm.source, hm.periodic)
-    heights, labels = hm.mapped, mapped(peaks.labels)
-    places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
-    near, level = _near(peaks.row, peaks.col), np.zeros((n, 2))
-    parallel.run(
-        lambda a, b: _climb.summits(
-            heights, spline.ravel(), spline.shape[1], labels, hm.periodic, peaks.row,
-            peaks.col, level, near, places, expansions, kinds, np.empty(40), a, b,
-        ),
-        parallel.blocks(n, 512, most_together(hm.source)),
-    )  # fmt: skip
+    places, kinds, level = np.empty((n, 2)), np.empty(n, np.int64), np.zeros((n, 2))
+    start = (peaks.row, peaks.col, level, _near(peaks.row, peaks.col))
+    expansions = _climbed(hm, peaks.labels, spline, start, places, kinds)
     dip = np.full(n, peaks.min_prominence)
     flat, middle = flat_tops(hm, peaks)
     flat, middle = (array[kinds[flat] != RIM] for array in (flat, middle))
@@ -145,16 +133,33 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     pixels = np.bincount(owner, weights=counts, minlength=n).astype(np.int64)
     border = np.bincount(owner, weights=peaks.border, minlength=n) > 0
     pixels[~own], border[~own] = counts[~own], peaks.border[~own]
-    summit, curvature, angle = np.empty((n, 3)), np.empty((n, 2)), np.empty(n)
-    _climb.frames(
-        peaks.height, hm.shape[0], hm.spacing, depth, pixels, places, expansions, kinds,
-        summit, curvature, angle,
-    )  # fmt: skip
+    summit, curvature, angle = _climb.frames(
+        peaks.height, hm.shape[0], hm.spacing, depth, pixels, places, expansions, kinds
+    )
     x, y, height = (np.ascontiguousarray(column) for column in summit.T)
     return Summits(
         x, y, height, curvature, angle, pixels, border, own, owner, peaks, hm, spline, places,
         kinds, np.full(n, np.inf), level, dip, owner,
     )  # fmt: skip
+
+
+def _climbed(
+    hm: HeightMap,
+    labels: Source,
+    spline: Array,
+    start: tuple[NDArray[np.int64], NDArray[np.int64], Array, NDArray[np.int64]],
+    places: Array,
+    kinds: NDArray[np.int64],
+) -> Array:
+    """Climb from the rows and columns of the pixels of all peaks, on the surface with their tilts,
+    for the peaks of an order: `start`. Fills in their places and kinds; returns the expansions of
+    the surface there, (n, 6), see `_climb.climb`."""
+    given, expansions = (hm.mapped, spline, mapped(labels), hm.periodic), np.empty((len(kinds), 6))
+    parallel.run(
+        lambda a, b: _climb.summits(*given, *start, places, expansions, kinds, a, b),
+        parallel.blocks(len(start[-1]), 512, most_together(hm.source)),
+    )
+    return expansions
 
 
 def _depths(peaks: Peaks) -> Array:
@@ -247,10 +252,4 @@ def _owners(
         away -= np.array(hm.shape) * np.round(away / hm.shape)
     shared[shared] &= np.hypot(*away.T) < _SAME
     kinds[shared] = 1 + at[shared]
-    owner = np.where(kinds > 0, kinds - 1, rank)
-    for _ in range(n):
-        further = owner[owner]
-        if np.array_equal(further, owner):
-            return owner
-        owner = further
-    return owner
+    return ends_of(np.where(kinds > 0, kinds - 1, rank))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +12,12 @@ from scipy import fft
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import Transform, along_both
-from surfaces.numerics.stored_array import Blocks, Source, blocks_of, spans, windows
+from surfaces.numerics.stored_array import Blocks, Source, blocks_of, windows
 from surfaces.preparation.levelling import level
 
-__all__ = ["Density", "density_of", "over_rows", "wave_numbers"]
+__all__ = ["Density", "density_of", "wave_numbers"]
 
 Array = NDArray[np.float64]
-Result = TypeVar("Result")
-
-_WAVES = 2**16
-"""Waves that one thread looks at together."""
 
 
 @dataclass(frozen=True)
@@ -73,14 +68,6 @@ class Density:
             )
             total = along_both(blocks_of(source), source, (ny // 2 + 1, 1), change)[:, 0]
         return np.asarray(total * step / (count * self.source.shape[1 - axis]))
-
-
-def over_rows(function: Callable[[slice, Array], Result], waves: Density) -> Iterator[Result]:
-    """What a function finds in parts of the rows of a density, in order and in threads."""
-    step = max(1, _WAVES // waves.values.shape[1])
-    for begin, _, rows in windows(waves.values):
-        parts = [(slice(begin + a, begin + b), rows[a:b]) for a, b in spans(len(rows), step)]
-        yield from parallel.each(lambda part: function(*part), parts)
 
 
 def wave_numbers(waves: Density, rows: slice) -> tuple[Array, Array]:

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from surfaces.heightmap import HeightMap, require_map
+from surfaces.numerics.parallel import over_rows
 
-from .density import Density, density_of, over_rows, wave_numbers
+from .density import Density, density_of, wave_numbers
 
 __all__ = [
     "SpectralMoments",
@@ -211,7 +212,7 @@ def spectrum_of(waves: Density) -> Spectrum:
         table = _moment_table(qy, qx, density * weight / (size[0] * size[1]), signed[part])
         return rings, table, part, np.asarray(density @ weight), density.sum(axis=0)
 
-    for more, moments, part, along_y, along_x in over_rows(ring_sums, waves):
+    for more, moments, part, along_y, along_x in over_rows(ring_sums, waves.values):
         rings += more
         table += moments
         rows[part] = along_y
@@ -292,7 +293,7 @@ def texture_direction(waves: Density) -> float:
         values = amplitude, amplitude * angle
         return np.stack([np.bincount(sector.ravel() % 180, v.ravel(), 180) for v in values])
 
-    total, moment = sum(over_rows(sectors, waves), np.zeros((2, 180)))
+    total, moment = sum(over_rows(sectors, waves.values), np.zeros((2, 180)))
     most = int(np.argmax(total))
     if total[most] == 0.0:
         return np.nan
@@ -313,7 +314,7 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
         found = (density * waves.weight).ravel(), np.tile(waves.weight, len(density))
         return np.stack([np.bincount(ring, v, count)[:count] for v in found])
 
-    power, number = sum(over_rows(sums, waves), np.zeros((2, count)))
+    power, number = sum(over_rows(sums, waves.values), np.zeros((2, count)))
     power /= np.maximum(number, 1)
     beyond = np.maximum.accumulate(power[::-1])[::-1]
     cliffs = np.flatnonzero(beyond[9:] < 1e-3 * power[3:-6]) + 6
@@ -327,7 +328,7 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
         q, ring = rings(part)
         return float(np.max(q, where=(ring <= last) & (density > least), initial=0.0))
 
-    return max(over_rows(largest, waves))
+    return max(over_rows(largest, waves.values))
 
 
 def _moment_table(qy: Array, qx: Array, power: Array, signed: NDArray[np.bool_]) -> Array:
