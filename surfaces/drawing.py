@@ -44,12 +44,15 @@ def draw_field(
     size: tuple[float, float],
     name: str,
     unit: str,
+    *,
+    origin: tuple[float, float] = (0.0, 0.0),
     **style: Any,
 ) -> Axes:
     """Draw a field, (ny, nx), in true proportions with a color bar, on new axes if None.
 
-    Values of the `name` are in the SI `unit`, `size` is (Ly, Lx) [m], and `style` goes to
-    ``imshow``. Missing ones stay white; large fields are averaged.
+    Values of the `name` are in the SI `unit`, or have none; `size` is (Ly, Lx) [m], the lower left
+    corner lies at the `origin` (y, x) [m], and `style` goes to ``imshow``. Missing ones stay white;
+    large fields are averaged.
     """
     from matplotlib.ticker import EngFormatter
 
@@ -61,10 +64,10 @@ def draw_field(
     shown = averaged(values, PICTURE_SIDE) / scale
     low, high = color_range(shown)
     look: dict[str, Any] = {"cmap": "cividis", "vmin": low, "vmax": high, "aspect": "equal"}
-    extent = (0.0, size[1], 0.0, size[0])
+    extent = (origin[1], origin[1] + size[1], origin[0], origin[0] + size[0])
     drawn = axes.imshow(shown, origin="lower", extent=extent, **look | style)
     bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
-    axes.figure.colorbar(drawn, cax=bar, label=f"{name} [{unit}]", extend="both")
+    axes.figure.colorbar(drawn, cax=bar, label=f"{name} [{unit}]" if unit else name, extend="both")
     for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(EngFormatter(unit="m"))
         axis.set_label_text(label)

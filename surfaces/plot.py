@@ -21,7 +21,7 @@ from surfaces.statistics.correlation import THRESHOLD, Autocorrelation
 from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 
-from .drawing import figure_height, prefixed_unit, thinning
+from .drawing import draw_field, figure_height, prefixed_unit, thinning
 from .errors import InputError, as_count
 from .heightmap import HeightMap, require_map
 
@@ -193,21 +193,22 @@ def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     """
     stride = thinning(correlation.value.shape)
     lag_y, lag_x = correlation.lag_y[::stride], correlation.lag_x[::stride]
-    value = correlation.value[::stride, ::stride]
+    value, (length_y, length_x) = correlation.value[::stride, ::stride], correlation.size
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
-    axes = figure.add_subplot()
-    half_y, half_x = 0.5 * (lag_y[1] - lag_y[0]), 0.5 * (lag_x[1] - lag_x[0])
-    extent = (lag_x[0] - half_x, lag_x[-1] + half_x, lag_y[0] - half_y, lag_y[-1] + half_y)
-    image = axes.imshow(
-        value, origin="lower", extent=extent, cmap="RdGy_r", vmin=-1.0, vmax=1.0, aspect="equal"
+    axes = draw_field(
+        figure.add_subplot(),
+        value,
+        correlation.size,
+        f"correlation; line at {THRESHOLD:g}",
+        "",
+        origin=(-0.5 * length_y, -0.5 * length_x),
+        cmap="RdGy_r",
+        vmin=-1.0,
+        vmax=1.0,
     )
     axes.contour(lag_x, lag_y, value, levels=[THRESHOLD], colors=[_INK], linewidths=1.0)
-    bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
-    figure.colorbar(image, cax=bar, label=f"correlation; line at {THRESHOLD:g}")
-    for axis, label in ((axes.xaxis, "shift along x"), (axes.yaxis, "shift along y")):
-        axis.set_major_locator(MaxNLocator(5))
-        axis.set_major_formatter(EngFormatter(unit="m"))
-        axis.set_label_text(label)
+    axes.locator_params(nbins=5)
+    axes.set(xlabel="shift along x", ylabel="shift along y")
     return figure
 
 

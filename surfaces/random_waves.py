@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory, room_for
@@ -97,8 +98,7 @@ class RandomWaves:
             "make it smaller, or straight in a file: surfaces.write_self_affine(path, ...), "
             "surface generate --memory 2GiB",
         )
-        waves, heights = self._columns((0, nx // 2 + 1), self._scale()), np.empty(self.shape)
-        self._along_x(waves, heights)
+        heights = self._along_x(self._columns((0, nx // 2 + 1), self._scale()))
         heights -= heights.mean()
         heights.setflags(write=False)
         return heights
@@ -125,9 +125,7 @@ class RandomWaves:
             waves = np.empty((last - first, half), np.complex128)
             for section, columns in enumerate(stored.columns):
                 waves[:, slice(*columns)] = stored.read(section, first, last)
-            heights = np.empty((last - first, nx))
-            self._along_x(waves, heights)
-            yield heights
+            yield self._along_x(waves)
 
     @property
     def _target(self) -> float:
@@ -163,24 +161,15 @@ class RandomWaves:
             amplitude = self._amplitude(*place) * scale
             waves[slice(*rows)] = amplitude * np.exp(1j * self._phases(rows, columns))
 
-        def transform(some: tuple[int, int]) -> None:
-            lines = np.ascontiguousarray(waves[:, slice(*some)].T)
-            waves[:, slice(*some)] = np.fft.ifft(lines).T
-
         parallel.each(fill, spans(ny, max(1, _TILE // (right - left))))
         if left == 0:
             above = np.arange(1, (ny + 1) // 2)
             waves[ny - above, 0] = waves[above, 0].conj()
-        parallel.each(transform, spans(right - left, max(4, _TILE // ny)))
-        return waves
+        return np.asarray(fft.ifft(waves, axis=0, overwrite_x=True, workers=parallel.threads()))
 
-    def _along_x(self, waves: Waves, heights: Array) -> None:
-        """Set rows of the map [m] from the sums of their waves along y."""
-
-        def transform(rows: tuple[int, int]) -> None:
-            heights[slice(*rows)] = np.fft.irfft(waves[slice(*rows)], self.shape[1])
-
-        parallel.each(transform, spans(len(heights), max(1, _TILE // self.shape[1])))
+    def _along_x(self, waves: Waves) -> Array:
+        """Rows of the map [m] from the sums of their waves along y."""
+        return np.asarray(fft.irfft(waves, self.shape[1], axis=1, workers=parallel.threads()))
 
     def _frequencies(
         self, row: NDArray[np.int64], column: NDArray[np.int64]

@@ -144,11 +144,9 @@ def bearing_figure(curve: BearingCurve) -> Figure:
 
 def correlation_figure(correlation: Autocorrelation) -> Figure:
     """Correlation over shifts along y and x."""
-    size = [
-        np.ptp(lag) * len(lag) / (len(lag) - 1) for lag in (correlation.lag_y, correlation.lag_x)
-    ]
+    size = correlation.size
     layer = Layer("correlation", "", correlation.value[:], SIGNED, -1.0, 1.0)
-    plot = map_figure([layer], (size[0], size[1]), origin=(-size[0] / 2, -size[1] / 2))
+    plot = map_figure([layer], size, origin=(-size[0] / 2, -size[1] / 2))
     plot.xaxis.axis_label = plot.xaxis.axis_label.replace("x", "shift along x")
     plot.yaxis.axis_label = plot.yaxis.axis_label.replace("y", "shift along y")
     return Figure(plot, "Autocorrelation", reduction(correlation.value.shape))

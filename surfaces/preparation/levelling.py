@@ -126,15 +126,11 @@ def _axis(count: int) -> NDArray[np.float64]:
 def _evaluate(
     coefficients: NDArray[np.float64], v: NDArray[np.float64], u: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    c0, cu, cv, cuu, cuv, cvv = coefficients[:_FEWEST]
-    along_x = cu * u + cuu * u * u
-    along_y = c0 + cv * v + cvv * v * v
-    form: NDArray[np.float64] = along_y[:, None] + along_x[None, :]
-    if cuv:
-        form += (cuv * v)[:, None] * u[None, :]
-    for (a, b), c in zip(_POWERS[_FEWEST:], coefficients[_FEWEST:], strict=False):
-        form += (c * v**b)[:, None] * u**a
-    return form
+    along_x, along_y = np.transpose(_POWERS[: len(coefficients)])
+    table = np.zeros((along_x.max() + 1,) * 2)
+    table[along_y, along_x] = coefficients
+    powers_v, powers_u = (np.vander(w, len(table), increasing=True) for w in (v, u))
+    return np.asarray(powers_v @ table @ powers_u.T)
 
 
 def _sample(heights: Source) -> tuple[int, NDArray[np.float64]]:

@@ -53,6 +53,12 @@ class Autocorrelation:
     lag_x: NDArray[np.float64]
     value: Source
 
+    @property
+    def size(self) -> tuple[float, float]:
+        """Lengths (Ly, Lx) [m] of the shifts, each of which is shown as a pixel."""
+        (my, mx), lag_y, lag_x = self.value.shape, self.lag_y, self.lag_x
+        return float(my * (lag_y[1] - lag_y[0])), float(mx * (lag_x[1] - lag_x[0]))
+
 
 @dataclass(frozen=True)
 class Texture:

@@ -166,10 +166,14 @@ def _model(
     parameters: NDArray[np.float64], x: NDArray[np.float64], parts: tuple[bool, bool]
 ) -> NDArray[np.float64]:
     """ln C: level at x = 0, the last, and slope of the power law, breaks and the third slope."""
-    level, slope = parameters[:2]
     low = parameters[2] if parts[0] else -np.inf
     high, last = parameters[-2:] if parts[1] else (np.inf, 0.0)
-    return np.asarray(level + slope * np.clip(x, low, high) + last * np.maximum(x - high, 0.0))
+    return np.asarray(_shapes(x, low, high) @ [*parameters[:2], last])
+
+
+def _shapes(x: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
+    """What level, slope and third slope are the factors of, for breaks that may be infinite."""
+    return np.stack([np.ones_like(x), np.clip(x, low, high), np.maximum(x - high, 0.0)], axis=1)
 
 
 def _refined(
@@ -188,16 +192,13 @@ def _refined(
     for low, high in itertools.product(lows, highs):
         if high - low < _SEGMENT - 1:
             continue
-        inner = np.clip(x, x[low], x[high]) if parts[0] else np.minimum(x, x[high])
-        columns = [np.ones_like(x), inner - x[high]]
-        if parts[1]:
-            columns.append(np.maximum(x - x[high], 0.0))
-        matrix = np.stack(columns, axis=1) * root[:, None]
-        solution = np.linalg.lstsq(matrix, y * root, rcond=None)[0]
-        start = [solution[0] - solution[1] * x[high], solution[1]]
+        shapes = _shapes(x, x[low] if parts[0] else -np.inf, x[high] if parts[1] else np.inf)
+        matrix = shapes * root[:, None]
+        level, slope, last = np.linalg.lstsq(matrix, y * root, rcond=None)[0]
+        start = [level, slope]
         start += [x[low]] * parts[0]
-        start += [x[high], solution[2]] if parts[1] else []
-        starts.append((float(np.sum((matrix @ solution - y * root) ** 2)), start))
+        start += [x[high], last] * parts[1]
+        starts.append((float(np.sum((matrix @ [level, slope, last] - y * root) ** 2)), start))
     return least_squares(lambda p: root * (_model(p, x, parts) - y), min(starts)[1])
 
 
