@@ -20,6 +20,7 @@ nothing.
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from numpy.polynomial import polynomial
@@ -277,12 +278,7 @@ def _coefficients(
     out = np.empty((ny + 2 * PAD, nx + 2 * PAD))
     flat = out.ravel()
 
-    parallel.run(
-        lambda start, stop: _filter_columns(heights, around_y, flat, start, stop),
-        parallel.lines(nx, out.size),
-    )
-    parallel.run(
-        lambda start, stop: _filter_rows(flat, nx, around_x, start, stop),
-        parallel.lines(len(out), out.size),
-    )
+    columns, rows = parallel.lines(nx, out.size), parallel.lines(len(out), out.size)
+    parallel.run(partial(_filter_columns, heights, around_y, flat), columns)
+    parallel.run(partial(_filter_rows, flat, nx, around_x), rows)
     return out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from surfaces.numerics.stored_array import each_block, windows
 
 from . import _flood
 from .peaks import Peaks
-from .strips import Flooded, flood_strips, neighbor_distances, unique_pairs
+from .strips import Flooded, flood_strips, neighbor_distances
 
 __all__ = ["segment"]
 
@@ -87,7 +88,7 @@ def segment(
     found = (flood_strips(hm, level) if stored else None) or _flood_all(hm, level)
     summit, height, labels, counts, keys, tops = found
     both = (
-        lambda: unique_pairs(keys, tops, summit.size),
+        lambda: _unique_pairs(keys, tops, summit.size),
         lambda: _merged(height, keys, tops, _lowest(hm, level), limit),
     )
     single = len(parallel.lines(hm.shape[0], hm.shape[0] * hm.shape[1])) == 1
@@ -103,7 +104,7 @@ def segment(
         ends = np.sort(renamed[pairs].astype(np.int64), axis=1)
         apart = ends[:, 0] != ends[:, 1]
         keys = ends[apart, 0] * kept.size + ends[apart, 1]
-        pairs, passes = unique_pairs(keys, passes[apart], kept.size)
+        pairs, passes = _unique_pairs(keys, passes[apart], kept.size)
         parent = np.where(parent[kept] >= 0, renamed[parent[kept]], -1)
         saddle, summit, height = saddle[kept], summit[kept], height[kept]
     row, col = np.divmod(summit, hm.shape[1])
@@ -136,7 +137,7 @@ def _flood_all(hm: HeightMap, above: float) -> Flooded:
     summit = np.sort(summit)
     summit = summit[_falling(flat[summit])]
     link[summit] = np.arange(summit.size)
-    parallel.each(lambda some: _flood.follow(link, some), runs)
+    parallel.each(partial(_flood.follow, link), runs)
     labels = link.reshape(hm.shape)
     counts = np.zeros((len(runs), summit.size), np.int64)
     found = parallel.each(
@@ -168,6 +169,20 @@ def _merged(
     low = keys[order] // height.size
     high = keys[order] - low * height.size
     return _flood.merge(height, low, high, passes[order], lowest, limit)  # type: ignore[no-any-return]
+
+
+def _unique_pairs(
+    keys: NDArray[np.int64], passes: NDArray[np.float64], n: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Pairs (k, 2) of the keys ``first * n + second``, each once and in order; highest passes."""
+    if not keys.size:
+        return np.empty((0, 2), np.int64), np.empty(0)
+    order = np.argsort(keys)
+    keys = keys[order]
+    first = np.flatnonzero(np.diff(keys, prepend=-1))
+    keys = keys[first]
+    low = keys // n
+    return np.column_stack([low, keys - low * n]), np.maximum.reduceat(passes[order], first)
 
 
 def _falling(
@@ -206,9 +221,7 @@ def _links(
     heights = hm.heights
     link = np.empty(heights.size, np.int32)
     found = parallel.run(
-        lambda start, stop: _flood.ascend(
-            heights, hm.periodic, above, neighbor_distances(hm), link, start, stop
-        ),
+        partial(_flood.ascend, heights, hm.periodic, above, neighbor_distances(hm), link),
         parallel.lines(heights.shape[0], heights.size),
     )
     summits = [part[0] for part in found]

@@ -15,7 +15,7 @@ from surfaces.patches import ends_of
 
 from . import _flood
 
-__all__ = ["Flooded", "flood_strips", "neighbor_distances", "unique_pairs"]
+__all__ = ["Flooded", "flood_strips", "neighbor_distances"]
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
@@ -29,18 +29,23 @@ PEAK_BYTES = 400
 
 
 class Flooded(NamedTuple):
-    """Peaks of a map, in descending height, before any is pruned.
+    """Peaks of a map, in descending height, before any is pruned; or those of a strip of its rows,
+    in the order of their pixels.
+
+    In a strip the peaks have the first labels; the others stand for the pixels of the row above and
+    of the row below it, at which links that leave the strip end.
 
     Attributes
     ----------
     summit
-        Pixel of each peak, shape (n,).
+        Pixel in the map of each peak.
     height
-        Height of each peak [m], shape (n,).
+        Height of each peak [m].
     labels
-        Peak whose basin holds each pixel, shape (ny, nx), in memory or on disk; -1: not flooded.
+        Label of each pixel, shape (rows, nx), in memory or on disk: the peak whose basin holds it;
+        -1: not flooded.
     counts
-        Pixels of each basin, shape (n,).
+        Pixels of each of the n labels.
     keys, passes
         Touching pairs as ``first * n + second``, some several times, and their passes [m].
     """
@@ -50,32 +55,6 @@ class Flooded(NamedTuple):
     labels: Any
     counts: Pixels
     keys: Pixels
-    passes: Array
-
-
-class _Strip(NamedTuple):
-    """Result of flooding a strip of rows.
-
-    Its labels number its peaks, in the order of their pixels, then the pixels of the row above and
-    of the row below it, at which links that leave the strip end.
-
-    Attributes
-    ----------
-    summit, height
-        Pixels in the map, and heights [m], of its peaks.
-    labels
-        Label of each of its pixels, shape (rows, nx).
-    counts
-        Pixels of each label.
-    pairs, passes
-        Labels on both sides of each pass, shape (k, 2), and its height [m].
-    """
-
-    summit: Pixels
-    height: Array
-    labels: NDArray[np.int32]
-    counts: Pixels
-    pairs: Pixels
     passes: Array
 
 
@@ -117,8 +96,8 @@ def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
     for first, strip, name in zip(firsts, strips, _names(strips, rank, hm.periodic), strict=True):
         held = strip.counts > 0
         np.add.at(counts, name[held], strip.counts[held])
-        ends = np.sort(name[strip.pairs], axis=1)
-        keys.append(np.where(ends[:, 0] < ends[:, 1], ends[:, 0] * summit.size + ends[:, 1], -1))
+        low, high = np.sort(name[np.stack(np.divmod(strip.keys, strip.counts.size))], axis=0)
+        keys.append(np.where(low < high, low * summit.size + high, -1))
         rows = labels[first : first + step]
         labels.write(first, np.append(name, -1)[rows])
     key, passes = np.concatenate(keys), np.concatenate([strip.passes for strip in strips])
@@ -126,7 +105,7 @@ def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
     return Flooded(summit[order], height[order], labels, counts, key[held], passes[held])
 
 
-def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | None:
+def _flooded(hm: HeightMap, first: int, last: int, above: float) -> Flooded | None:
     """The rows from `first` to `last`, flooded; None if a plateau there is as long as the map."""
     (ny, nx), halo = hm.shape, STRIP_HALO
     while True:
@@ -164,9 +143,8 @@ def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | Non
     _flood.follow(labels.reshape(-1), own)
     counts = np.zeros(summit.size + 2 * nx, np.int64)
     keys, passes = _flood.touching(heights, labels, hm.periodic, counts, own)
-    pairs, passes = unique_pairs(keys, passes, counts.size)
     place = summit + (first - 1) * nx
-    return _Strip(place, heights.ravel()[summit], labels[1:-1], counts, pairs, passes)
+    return Flooded(place, heights.ravel()[summit], labels[1:-1], counts, keys, passes)
 
 
 def neighbor_distances(hm: HeightMap) -> tuple[float, float, float]:
@@ -199,7 +177,7 @@ def _rows(hm: HeightMap, top: int, bottom: int) -> Array:
     return np.pad(held, (ends, (0, 0)), constant_values=-np.inf)
 
 
-def _names(strips: list[_Strip], rank: Pixels, periodic: bool) -> list[Pixels]:
+def _names(strips: list[Flooded], rank: Pixels, periodic: bool) -> list[Pixels]:
     """Peak in the map of each label of each strip, -1 if none.
 
     A way that leaves a strip goes on from a pixel of the next one, whose label may lead on in turn.
@@ -221,15 +199,3 @@ def _names(strips: list[_Strip], rank: Pixels, periodic: bool) -> list[Pixels]:
     lead[lead < 0] = first[-1]
     names = peak[ends_of(lead)]
     return [names[a:b] for a, b in itertools.pairwise(first)]
-
-
-def unique_pairs(keys: Pixels, passes: Array, n: int) -> tuple[Pixels, Array]:
-    """Pairs (k, 2) of the keys ``first * n + second``, each once and in order; highest passes."""
-    if not keys.size:
-        return np.empty((0, 2), np.int64), np.empty(0)
-    order = np.argsort(keys)
-    keys = keys[order]
-    first = np.flatnonzero(np.diff(keys, prepend=-1))
-    keys = keys[first]
-    low = keys // n
-    return np.column_stack([low, keys - low * n]), np.maximum.reduceat(passes[order], first)

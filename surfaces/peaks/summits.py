@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -156,7 +157,7 @@ def _climbed(
     the surface there, (n, 6), see `_climb.climb`."""
     given, expansions = (hm.mapped, spline, mapped(labels), hm.periodic), np.empty((len(kinds), 6))
     parallel.run(
-        lambda a, b: _climb.summits(*given, *start, places, expansions, kinds, a, b),
+        partial(_climb.summits, *given, *start, places, expansions, kinds),
         parallel.blocks(len(start[-1]), 512, most_together(hm.source)),
     )
     return expansions
