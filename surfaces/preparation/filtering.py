@@ -153,13 +153,12 @@ def _cut(hm: HeightMap, lower: float, upper: float) -> Source:
 
 def _smooth(hm: HeightMap, cutoff: float, filter: str) -> Source:
     """Heights of the waves that a Gaussian or spline low-pass filter keeps."""
-    fy, fx = _frequencies(hm)
     if filter == "spline":
-        share = _spline_share(hm, cutoff, (fy, fx))
+        share = _spline_share(hm, cutoff)
         if not hm.periodic:
             return _free_spline(hm, cutoff, share(slice(None)))
     else:
-        across, along = (np.exp2(-np.square(cutoff * f)) for f in (fy, fx))
+        across, along = (np.exp2(-np.square(cutoff * f)) for f in _frequencies(hm))
 
         def share(columns: slice) -> Array:
             return np.asarray(across[:, None] * along[columns])
@@ -167,14 +166,11 @@ def _smooth(hm: HeightMap, cutoff: float, filter: str) -> Source:
     return passed(blocks_of(hm.source), hm.source, hm.periodic, share)
 
 
-def _spline_share(
-    hm: HeightMap, cutoff: float, frequencies: tuple[Array, Array]
-) -> Callable[[slice], Array]:
+def _spline_share(hm: HeightMap, cutoff: float) -> Callable[[slice], Array]:
     """Share of each wave that passes the filter of a map without a border, of those in the columns
     of its spectrum asked for; half of the wavelength `cutoff` [m].
 
-    The `frequencies` [1/m] along y and x are those of its Fourier spectrum, or cosine spectrum if
-    it is not periodic.
+    They are those of its Fourier spectrum, or of its cosine spectrum if it is not periodic.
 
     Raises
     ------
@@ -201,7 +197,7 @@ def _spline_share(
         )
     (bend_y, bend_x) = (
         np.square(np.sin(math.pi * d * frequency) / math.sin(math.pi * d / cutoff))
-        for d, frequency in zip(hm.spacing, frequencies, strict=True)
+        for d, frequency in zip(hm.spacing, _frequencies(hm), strict=True)
     )
 
     def share(columns: slice) -> Array:

@@ -17,7 +17,6 @@ _ORDERS = ("mean", "plane", "quadratic", "cubic", "quartic", "quintic")
 FORMS = (*_ORDERS, "cylinder")
 _POWERS = [(order - k, k) for order in range(len(_ORDERS)) for k in range(order + 1)]
 _TERMS = {form: (n + 1) * (n + 2) // 2 for n, form in enumerate(_ORDERS)} | {"cylinder": 6}
-_FEWEST = _TERMS["quadratic"]  # terms of which lower forms leave some out
 _REJECT = 6.0
 """Robust standard deviations beyond which a point is left out."""
 
@@ -126,11 +125,14 @@ def _axis(count: int) -> NDArray[np.float64]:
 def _evaluate(
     coefficients: NDArray[np.float64], v: NDArray[np.float64], u: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    along_x, along_y = np.transpose(_POWERS[: len(coefficients)])
-    table = np.zeros((along_x.max() + 1,) * 2)
-    table[along_y, along_x] = coefficients
-    powers_v, powers_u = (np.vander(w, len(table), increasing=True) for w in (v, u))
-    return np.asarray(powers_v @ table @ powers_u.T)
+    terms = [(a, b, c) for (a, b), c in zip(_POWERS, coefficients, strict=False) if c]
+    along_y = sum((c * v**b for a, b, c in terms if a == 0), np.zeros(v.size))
+    along_x = sum((c * u**a for a, b, c in terms if a and b == 0), np.zeros(u.size))
+    form: NDArray[np.float64] = along_y[:, None] + along_x
+    for a, b, c in terms:
+        if a and b:
+            form += (c * v**b)[:, None] * u**a
+    return form
 
 
 def _sample(heights: Source) -> tuple[int, NDArray[np.float64]]:
@@ -160,7 +162,7 @@ def _sums(
     """Moments of the places, and of the heights, within limits about a form: one matrix product
     each."""
     center, limit = limits
-    most = max(_powers(form)[-1])
+    most = max(1, *_powers(form)[-1])  # so that other points have other moments
     powers_u, powers_v = (np.vander(w, 2 * most + 1, increasing=True) for w in (u, v))
     moments, right = np.zeros((2 * most + 1,) * 2), np.zeros((most + 1,) * 2)
     for begin, end, rows in windows(z):
@@ -172,7 +174,7 @@ def _sums(
 
 
 def _powers(form: str) -> list[tuple[int, int]]:
-    return _POWERS[: max(_FEWEST, _TERMS[form])]
+    return _POWERS[: _TERMS[form]]
 
 
 def _fit(
@@ -205,12 +207,9 @@ def _solve(
 def _constrained(
     matrix: NDArray[np.float64], right: NDArray[np.float64], form: str, aspect: float
 ) -> NDArray[np.float64]:
-    """Solve the normal equations in the space of the form, padded with zeros."""
-    coefficients = np.zeros(len(right))
+    """Solve the normal equations in the space of the form."""
     if form != "cylinder":
-        terms = _TERMS[form]
-        coefficients[:terms] = np.linalg.lstsq(matrix[:terms, :terms], right[:terms], rcond=None)[0]
-        return coefficients
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
 
     def basis(angle: float) -> NDArray[np.float64]:
         across_u, across_v = math.cos(angle), math.sin(angle) * aspect
@@ -256,11 +255,12 @@ def _described(
 ) -> dict[str, object]:
     """Coefficients in physical terms about the middle of the map."""
     half_y, half_x = size[0] / 2.0, size[1] / 2.0
-    c0, cu, cv, cuu, cuv, cvv = coefficients[:_FEWEST].tolist()
-    found: dict[str, object] = {"offset": c0 + shift}
+    found: dict[str, object] = {"offset": float(coefficients[0]) + shift}
     if form != "mean":
+        cu, cv = coefficients[1:3].tolist()
         found["slope"] = [cv / half_y, cu / half_x]
     if form in ("quadratic", "cylinder"):
+        cuu, cuv, cvv = coefficients[3:].tolist()
         hessian = np.array(
             [
                 [2.0 * cuu / half_x**2, cuv / (half_x * half_y)],

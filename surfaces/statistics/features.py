@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces.heightmap import HeightMap, require_full
+from surfaces.heightmap import HeightMap
 from surfaces.numerics.stored_array import each_block, windows
 from surfaces.peaks.peaks import Peaks
 from surfaces.peaks.segmentation import segment
@@ -34,7 +34,6 @@ def features(hm: HeightMap, wolf: float) -> dict[str, float]:
     - Shv, Sdv: mean volume of their material above, their void below the pass that leads to a
       neighbor first: the volume of a lake in a dale when it begins to overflow.
     """
-    require_full(hm, "feature parameters")
     density, curvature, height, area, volume = _motifs(hm, wolf)
     upside_down = hm.replace(heights=each_block(hm.source, np.negative))
     pits, bend, depth, space, void = _motifs(upside_down, wolf)
