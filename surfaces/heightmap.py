@@ -17,7 +17,6 @@ from surfaces.drawing import draw_field, figure_height, image
 from surfaces.errors import (
     SurfaceError,
     as_number,
-    as_text,
     as_truth,
     checked_heights,
     checked_history,
@@ -97,7 +96,7 @@ class HeightMap:
         object.__setattr__(self, "heights", checked_heights(self.heights))
         object.__setattr__(self, "spacing", checked_spacing(self.spacing))
         object.__setattr__(self, "periodic", as_truth("periodic", self.periodic))
-        object.__setattr__(self, "name", as_text(self.name))
+        object.__setattr__(self, "name", str(self.name).encode(errors="replace").decode())
         object.__setattr__(self, "history", checked_history(self.history))
 
     @property
