@@ -25,7 +25,7 @@ _EDGE = 1e-9
 """Relative tolerance of the band edges, below the spacing of wave numbers."""
 
 _TILE = 2**16
-"""Points, or waves, that one thread makes at a time: they fit its cache."""
+"""Waves that one thread makes at a time: they fit its cache."""
 
 _ROWS = 256
 """Rows of a block: the chunks of a file are as high."""
