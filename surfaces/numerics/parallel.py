@@ -177,6 +177,9 @@ def apart(
 
 
 def aside(function: Callable[[], Any]) -> None:
-    """Call a function beside the rest, if more than one thread may be used; else leave it."""
+    """Call a function beside the rest, if more than one thread may be used; else leave it. What it
+    raises is not told of."""
     if threads() > 1:
-        threading.Thread(target=function).start()
+        pool = ThreadPoolExecutor(1)
+        pool.submit(function)
+        pool.shutdown(wait=False)
