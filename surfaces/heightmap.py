@@ -17,6 +17,7 @@ from surfaces.drawing import draw_field, figure_height, image
 from surfaces.errors import (
     SurfaceError,
     as_number,
+    as_text,
     as_truth,
     checked_heights,
     checked_history,
@@ -93,11 +94,10 @@ class HeightMap:
     history: tuple[Mapping[str, Any], ...] = dataclasses.field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "heights", checked_heights(self.heights))
-        object.__setattr__(self, "spacing", checked_spacing(self.spacing))
+        checks = checked_heights, checked_spacing, as_text, checked_history
+        for name, check in zip(("heights", "spacing", "name", "history"), checks, strict=True):
+            object.__setattr__(self, name, check(getattr(self, name)))
         object.__setattr__(self, "periodic", as_truth("periodic", self.periodic))
-        object.__setattr__(self, "name", str(self.name).encode(errors="replace").decode())
-        object.__setattr__(self, "history", checked_history(self.history))
 
     @property
     def shape(self) -> tuple[int, int]:
