@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import surfaces
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
-from asperity.engine.resolution import representative_part
+from asperity.engine.resolution import between_grids, representative_part
 from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
@@ -40,11 +40,8 @@ ERRORS: tuple[str, ...] = ("load_error", "area_error", "separation_error")
 SMALLEST_GRID = 48
 """Coarse boundary-element grids stop here."""
 
-LARGEST_SIDE = 1024
-"""Points along a side up to which the whole map is refined; of a larger one a part is."""
-
-REFINED_TOLERANCE = 1e-3
-"""Tolerance on the refined grid: it changes load and area by less than 0.1 %."""
+REFINED_ACCURACY = 0.01
+"""Accuracy in load and area on the refined grid."""
 
 
 def coarse_grids(shape: tuple[int, int]) -> list[tuple[int, int]]:
@@ -133,7 +130,8 @@ def coarse_run(
 def refined_run(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, reference: ContactCurve
 ) -> NDArray[np.void] | None:
-    """Errors of the reference's own grid at its lightest and at its heaviest load.
+    """Errors of the reference's own grid at its lightest and at its heaviest load, on the
+    `representative_part` of the map.
 
     Returns
     -------
@@ -141,32 +139,20 @@ def refined_run(
     separation, and area_error, of the area at equal load, both relative and against a grid twice as
     fine; ny and nx of that grid. None if no such grid fits into memory, or nothing touches.
     """
-    usable = np.flatnonzero(reference.converged & (reference.mean_pressure > 0.0))
-    if not usable.size:
+    loads = reference.mean_pressure[reference.converged & (reference.mean_pressure > 0.0)]
+    part = representative_part(hm)
+    finer = surfaces.resample(part, np.asarray(part.spacing) / 2)
+    if not loads.size or not fits(finer.shape, boundary, 1):
         return None
-    order = usable[np.argsort(reference.mean_pressure[usable])]
-    own = reference.select(order[[0, -1][: len(order)]])
-    part = hm if max(hm.shape) <= LARGEST_SIDE else representative_part(hm)
-    finer = surfaces.resample(part, (part.spacing[0] / 2, part.spacing[1] / 2))
-    if not fits(finer.shape, boundary, 1):
-        return None
-    if part is not hm:
-        reference = bem_curve(
-            part, material, pressures=reference.mean_pressure[order], boundary=boundary
-        )
-        own = reference.select([0, -1][: len(reference)])
-    fine = bem_curve(
-        finer, material, pressures=own.mean_pressure, tolerance=REFINED_TOLERANCE, boundary=boundary
-    )
-    good = own.converged & fine.converged
-    load = load_at_separation(reference, fine.separation) / fine.mean_pressure - 1.0
+    ends = np.unique([loads.min(), loads.max()])
+    load, area = np.expm1(between_grids(part, finer, material, boundary, ends, REFINED_ACCURACY))
     return structured(
         {
-            "mean_pressure": own.mean_pressure,
-            "load_error": np.where(good, load, np.nan),
-            "area_error": np.where(good, own.contact_area / fine.contact_area - 1.0, np.nan),
-            "ny": np.full(len(own), finer.shape[0]),
-            "nx": np.full(len(own), finer.shape[1]),
+            "mean_pressure": ends,
+            "load_error": load,
+            "area_error": area,
+            "ny": np.full(len(ends), finer.shape[0]),
+            "nx": np.full(len(ends), finer.shape[1]),
         }
     )
 

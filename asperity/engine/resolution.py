@@ -28,6 +28,7 @@ __all__ = [
     "UNTOLD",
     "Resolution",
     "SolvedLoads",
+    "between_grids",
     "narrow_share",
     "opened_share",
     "representative_part",
@@ -167,10 +168,9 @@ def resolution(
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
     share = narrow_share(point.contact, periodic=solved.periodic)
-    narrow, tile = f"contacts narrower than {FITTED.narrow:g} pixels", FITTED.tile
     held = (
-        f"{narrow} hold {share:.0%} of the lightest contact, waves of less than two pixels would "
-        f"open {opened:.0%} of a contact"
+        f"contacts narrower than {FITTED.narrow:g} pixels hold {share:.0%} of the lightest "
+        f"contact, waves of less than two pixels would open {opened:.0%} of a contact"
     )
     least = DEFAULTS.pixel_waves.to_the_pixel
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
@@ -185,14 +185,15 @@ def resolution(
     light, odd = (_on_part(each) for each in (point, solved.most_opened or point))
     heaviest = max(heaviest, point.mean_pressure)
     loads = np.unique([light, odd, math.sqrt(min(light, heaviest) * heaviest)])
-    loads = np.minimum(loads, material.hardness)  # by rounding a solved load may exceed it
-    load, area = np.maximum(FITTED.floor, _apart(part, finer, material, boundary, loads)).tolist()
+    apart = np.abs(between_grids(part, finer, material, boundary, loads, ACCURACY)).max(axis=1)
+    load, area = np.maximum(FITTED.floor, FITTED.safety * apart).tolist()
     if math.isnan(load + area):
         return _unknown(f"{held}, and a load on a grid twice as fine did not converge")
     shares = (f"{x:.0%}" if x < 1 else "all" for x in (load, area))
     warning = CURE.format("{} of the load and {} of the contact area".format(*shares))
-    where = "of the map" if part is point.hm else f"of {tile} x {tile} points about its highest"
-    told = f"{held}; {len(loads)} loads solved on a grid twice as fine {where}"
+    ny, nx = part.shape
+    where = "the map" if part.shape == hm.shape else f"a part of {ny} x {nx} points"
+    told = f"{held}; {len(loads)} loads solved on a grid twice as fine as that of {where}"
     large = load > FITTED.large[0] or area > FITTED.large[1]
     return Resolution(load, area, told, (warning,) if large else ())
 
@@ -202,27 +203,35 @@ def _unknown(told_by: str) -> Resolution:
     return Resolution(np.nan, np.nan, told_by, (CURE.format("an unknown part"),))
 
 
-def _apart(
-    hm: HeightMap, finer: HeightMap, material: HalfSpace, boundary: Boundary, pressures: Array
-) -> tuple[float, float]:
-    """Uncertainty of load and area: `PixelUncertainty.safety` times the largest difference between
-    a map and the same map on a finer grid, over the mean pressures [Pa]."""
+def between_grids(
+    hm: HeightMap,
+    finer: HeightMap,
+    material: HalfSpace,
+    boundary: Boundary,
+    pressures: Array,
+    accuracy: float,
+) -> Array:
+    """Logarithms of the load at equal separation and of the contact area at equal load on a map,
+    over those on a finer grid, at n mean pressures [Pa], shape (2, n); NaN where not converged.
+
+    Both are solved to an `accuracy` in load and area. In full contact, where the stiffness is
+    infinite, the loads count as equal.
+    """
 
     def solved(scene: tuple[HeightMap, float]) -> Array:
-        """Separation, logarithm of the contact area, and stiffness over mean pressure, which is set
-        to zero in full contact, where it is infinite; NaN if not converged."""
+        """Separation, logarithm of the contact area, and stiffness over mean pressure."""
         grid, pressure = scene
-        curve = bem_curve(grid, material, pressures=pressure, accuracy=ACCURACY, boundary=boundary)
+        curve = bem_curve(grid, material, pressures=pressure, accuracy=accuracy, boundary=boundary)
         stiffness = np.where(np.isinf(curve.stiffness), 0.0, curve.stiffness)
         rate = stiffness / curve.mean_pressure
         found = np.concatenate([curve.separation, np.log(curve.contact_area), rate])
         return np.where(curve.converged, found, np.nan)
 
+    pressures = np.minimum(pressures, material.hardness)  # by rounding solved ones may exceed it
     scenes = list(itertools.product((hm, finer), pressures))
     rows = parallel.apart(solved, scenes)
     (own, own_area, rate), (fine, fine_area, _) = np.reshape(rows, (2, -1, 3)).transpose(0, 2, 1)
-    load, area = np.abs(rate * (own - fine)), np.abs(own_area - fine_area)
-    return FITTED.safety * float(load.max()), FITTED.safety * float(area.max())
+    return np.array([rate * (own - fine), own_area - fine_area])
 
 
 def _on_part(point: SolvedLoad) -> float:
