@@ -60,7 +60,8 @@ def draw_field(
         from matplotlib import pyplot
 
         axes = pyplot.subplots(layout="constrained")[1]
-    scale, unit = prefixed_unit(float(np.nanmax(np.abs(values))), unit)
+    largest = float(np.nanmax(np.abs(values)))
+    scale, unit = prefixed_unit(largest, unit) if unit else (1.0, unit)
     shown = averaged(values, PICTURE_SIDE) / scale
     low, high = color_range(shown)
     look: dict[str, Any] = {"cmap": "cividis", "vmin": low, "vmax": high, "aspect": "equal"}

@@ -121,6 +121,14 @@ def test_autocorrelation() -> None:
     assert "<svg" in drawn(figure)
 
 
+def test_a_correlation_without_its_peak_has_no_prefix() -> None:
+    """Every third shift of this map is drawn, and none is zero in both directions."""
+    hm = surfaces.HeightMap(np.random.default_rng(1).normal(size=(40, 2450)), 1e-6, periodic=True)
+    image = surfaces.plot_autocorrelation(surfaces.autocorrelation(hm)).axes[0].images[0]
+    assert np.abs(image.get_array()).max() < 1.0
+    assert image.colorbar.ax.get_ylabel() == "correlation; line at 0.2"
+
+
 def test_bearing_curve() -> None:
     figure = surfaces.plot_bearing(surfaces.bearing_curve(rough()))
     assert "<svg" in drawn(figure)
