@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 import surfaces
 from asperity.bem.curve import bem_curve
-from asperity.bem.memory import fits
-from asperity.engine.resolution import between_grids, representative_part
+from asperity.engine.resolution import between_grids, two_grids
 from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
@@ -131,7 +130,7 @@ def refined_run(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, reference: ContactCurve
 ) -> NDArray[np.void] | None:
     """Errors of the reference's own grid at its lightest and at its heaviest load, on the
-    `representative_part` of the map.
+    part of `two_grids`.
 
     Returns
     -------
@@ -140,19 +139,19 @@ def refined_run(
     fine; ny and nx of that grid. None if no such grid fits into memory, or nothing touches.
     """
     loads = reference.mean_pressure[reference.converged & (reference.mean_pressure > 0.0)]
-    part = representative_part(hm)
-    finer = surfaces.resample(part, np.asarray(part.spacing) / 2)
-    if not loads.size or not fits(finer.shape, boundary, 1):
+    grids = two_grids(hm, boundary) if loads.size else None
+    if grids is None:
         return None
+    ny, nx = grids[1].shape
     ends = np.unique([loads.min(), loads.max()])
-    load, area = np.expm1(between_grids(part, finer, material, boundary, ends, REFINED_ACCURACY))
+    load, area = np.expm1(between_grids(*grids, material, boundary, ends, REFINED_ACCURACY))
     return structured(
         {
             "mean_pressure": ends,
             "load_error": load,
             "area_error": area,
-            "ny": np.full(len(ends), finer.shape[0]),
-            "nx": np.full(len(ends), finer.shape[1]),
+            "ny": np.full(len(ends), ny),
+            "nx": np.full(len(ends), nx),
         }
     )
 

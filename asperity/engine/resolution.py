@@ -31,8 +31,8 @@ __all__ = [
     "between_grids",
     "narrow_share",
     "opened_share",
-    "representative_part",
     "resolution",
+    "two_grids",
 ]
 
 Array = NDArray[np.float64]
@@ -82,8 +82,9 @@ class SolvedLoads:
     ----------
     lightest
         The lightest load point under load; None before any.
-    opened, most_opened
-        Largest `opened_share` of a load point, and this point; zero and None before any opens.
+    most_opened
+        The load point of the largest `opened_share`, of equal ones the lightest; None before any
+        opens.
     """
 
     def __init__(
@@ -95,7 +96,7 @@ class SolvedLoads:
         self.material, self.periodic, self.progress = material, boundary == "periodic", progress
         self.lightest: SolvedLoad | None = None
         self.most_opened: SolvedLoad | None = None
-        self.opened = 0.0
+        self._rank = 0.0, 0.0
         self._turn = threading.Lock()
 
     def __call__(self, point: SolvedLoad) -> None:
@@ -105,13 +106,16 @@ class SolvedLoads:
             if point.mean_pressure <= 0.0:
                 return
             share = opened_share(point, self.material, periodic=self.periodic)
-            most = self.most_opened
-            # of equal ones the lighter, whichever comes first
-            last = self.opened, -most.mean_pressure if most else 0.0
-            if (share, -point.mean_pressure) > last:
-                self.opened, self.most_opened = share, point
+            rank = share, -point.mean_pressure
+            if rank > self._rank:
+                self._rank, self.most_opened = rank, point
             if self.lightest is None or point.mean_pressure < self.lightest.mean_pressure:
                 self.lightest = point
+
+    @property
+    def opened(self) -> float:
+        """Largest `opened_share` of a load point; zero before any opens."""
+        return self._rank[0]
 
 
 def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
@@ -176,23 +180,22 @@ def resolution(
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
     if share < FITTED.doubtful and opened <= FITTED.floor[1] and not broken:
         return Resolution(*FITTED.floor, held)
-    part = representative_part(point.hm)
-    finer = resample(part, np.asarray(part.spacing) / 2)
-    if not fits(finer.shape, boundary, 1):
+    grids = two_grids(point.hm, boundary)
+    if grids is None:
         return _unknown(f"{held}, and a finer grid does not fit into memory")
     # the heaviest load is left out: it takes longest and differs least
     # (docs/development/verification.md)
     light, odd = (_on_part(each) for each in (point, solved.most_opened or point))
     heaviest = max(heaviest, point.mean_pressure)
     loads = np.unique([light, odd, math.sqrt(min(light, heaviest) * heaviest)])
-    apart = np.abs(between_grids(part, finer, material, boundary, loads, ACCURACY)).max(axis=1)
+    apart = np.abs(between_grids(*grids, material, boundary, loads, ACCURACY)).max(axis=1)
     load, area = np.maximum(FITTED.floor, FITTED.safety * apart).tolist()
     if math.isnan(load + area):
         return _unknown(f"{held}, and a load on a grid twice as fine did not converge")
     shares = (f"{x:.0%}" if x < 1 else "all" for x in (load, area))
     warning = CURE.format("{} of the load and {} of the contact area".format(*shares))
-    ny, nx = part.shape
-    where = "the map" if part.shape == hm.shape else f"a part of {ny} x {nx} points"
+    ny, nx = grids[0].shape
+    where = "the map" if (ny, nx) == hm.shape else f"a part of {ny} x {nx} points"
     told = f"{held}; {len(loads)} loads solved on a grid twice as fine as that of {where}"
     large = load > FITTED.large[0] or area > FITTED.large[1]
     return Resolution(load, area, told, (warning,) if large else ())
@@ -235,15 +238,21 @@ def between_grids(
 
 
 def _on_part(point: SolvedLoad) -> float:
-    """Mean pressure [Pa] on the `representative_part` at a load point of the map: by its contact
+    """Mean pressure [Pa] on the part of `two_grids` at a load point of the map: by its contact
     area, since contacts are under equal pressure, and no less than that on the map."""
-    share = point.contact[_window(point.hm)].mean() / point.contact.mean()
+    window = _window(point.hm)
+    if window is None:
+        return point.mean_pressure
+    share = point.contact[window].mean() / point.contact.mean()
     return point.mean_pressure * max(float(share), 1.0)
 
 
-def _window(hm: HeightMap) -> tuple[slice, slice]:
-    """Rows and columns of the part of a large map about its highest point, or all."""
-    tile = FITTED.tile if max(hm.shape) > FITTED.whole else max(hm.shape)
+def _window(hm: HeightMap) -> tuple[slice, slice] | None:
+    """Rows and columns of the part of a large map about its highest point; None if the whole map is
+    to be refined."""
+    tile = FITTED.tile
+    if max(hm.shape) <= FITTED.whole:
+        return None
     start = [
         int(np.clip(at - tile // 2, 0, max(n - tile, 0)))
         for at, n in zip(hm.roughness.summit, hm.shape, strict=True)
@@ -252,10 +261,12 @@ def _window(hm: HeightMap) -> tuple[slice, slice]:
     return rows, columns
 
 
-def representative_part(hm: HeightMap) -> HeightMap:
-    """The map itself, or the part of a large map about its highest point; tapered if periodic."""
-    if max(hm.shape) <= FITTED.whole:
-        return hm
-    rows, columns = _window(hm)
-    part = hm.cut((rows.start, rows.stop), (columns.start, columns.stop))
-    return make_periodic(part, "taper") if hm.periodic else part
+def two_grids(hm: HeightMap, boundary: Boundary) -> tuple[HeightMap, HeightMap] | None:
+    """The map, or the part of a large map about its highest point, tapered if periodic; and the
+    same on a grid twice as fine. None if boundary elements on that do not fit into memory."""
+    part, window = hm, _window(hm)
+    if window is not None:
+        part = hm.cut(*((side.start, side.stop) for side in window))
+        part = make_periodic(part, "taper") if hm.periodic else part
+    finer = resample(part, np.asarray(part.spacing) / 2)
+    return (part, finer) if fits(finer.shape, boundary, 1) else None

@@ -162,3 +162,19 @@ def test_a_falling_load_is_never_softer_than_a_rising_one(engine):
         found = asperity.solve(hm, material, pressures=pressures, **choice)
         assert found.settings["engine"] == "anchored"
     assert (found.extra["unloading_stiffness"] >= found.stiffness).all()
+
+
+def test_a_hardness_leaves_the_doubt_of_steps():
+    """Nearly all of the area of the model is plastic, but it does not know that of single steps."""
+    waves = surfaces.self_affine(
+        (128, 128), (1e-5, 1e-5), hurst=0.8, rms_height=1e-7, cutoff=6e-7, seed=3
+    )
+    hm = waves.replace(heights=np.round(waves.heights / 3e-8) * 3e-8)
+    soft = body(1e9 * 0.02 * hm.roughness.rms_slope, modulus=1e9)
+    loads = default_pressures(hm, soft, 4)
+    curve = asperity.contact_curve(hm, soft, pressures=loads)
+    true = asperity.bem_curve(hm, soft, pressures=loads, accuracy=0.02)
+    off = np.abs(np.log(curve.contact_area / true.contact_area))
+    assert curve.extra["plastic_share"].min() > 0.9
+    assert off.max() > 0.2  # the case tells something
+    assert (off <= curve.extra["area_error_estimate"]).all()

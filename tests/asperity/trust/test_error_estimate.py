@@ -302,20 +302,6 @@ def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
     )
 
 
-def test_a_hardness_leaves_the_doubt_of_steps():
-    """Nearly all of the area of the model is plastic, but it does not know that of single steps."""
-    waves = self_affine((128, 128), (1e-5, 1e-5), hurst=0.8, rms_height=1e-7, cutoff=6e-7, seed=3)
-    hm = waves.replace(heights=np.round(waves.heights / 3e-8) * 3e-8)
-    soft = asperity.HalfSpace.from_modulus(1e9, hardness=1e9 * 0.02 * hm.roughness.rms_slope)
-    loads = default_pressures(hm, soft, 4)
-    curve = asperity.contact_curve(hm, soft, pressures=loads)
-    true = asperity.bem_curve(hm, soft, pressures=loads, accuracy=0.02)
-    off = np.abs(np.log(curve.contact_area / true.contact_area))
-    assert curve.extra["plastic_share"].min() > 0.9
-    assert off.max() > 0.2  # the case tells something
-    assert (off <= curve.extra["area_error_estimate"]).all()
-
-
 @pytest.mark.parametrize("height", [4.0, 6.0])
 def test_spikes_that_end_above_their_pixels_are_doubted(height):
     """One pixel in a thousand is raised: what carries the load stands between the pixels."""
