@@ -319,7 +319,7 @@ def _kurtosis(heights: Source, axis: int, periodic: bool) -> Iterator[tuple[floa
             along = count * np.mean(up[:, 1:] != up[:, :-1])
             across = len(lines) * np.mean(up[1:] != up[:-1])
             yield (
-                float(np.vdot(bend, bend)) / bend.size / square**2,
+                float(np.mean(np.square(bend, out=bend))) / square**2,
                 max(along, 1.0) * max(across, 1.0),
             )
         distance *= 2

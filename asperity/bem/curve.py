@@ -6,7 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -34,14 +34,13 @@ from surfaces.numerics.parallel import threads as thread_count
 from .answer import answer, answer_of_hardness
 from .load_path import NO_LIMIT, LoadPath, follow_chains, split_loads, stopping
 from .memory import fits
+from .part import SolvedPart, solved_part
 from .problem import ContactProblem
 
 __all__ = ["SolvedLoad", "bem_curve"]
 
 _LOOSEST = 1e-2
 """Tolerance that each load of an accuracy is solved to first; looser saves little."""
-
-_NO_MAP = np.zeros((0, 0), np.bool_)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +53,8 @@ class SolvedLoad:
         Every number of the point, by the names of `ContactCurve` and of its `extra`.
     contact
         Pixels under pressure, shape (ny, nx).
+    part
+        State about the highest point of the map.
     reason
         Why the point did not converge, else "".
     hm
@@ -62,6 +63,7 @@ class SolvedLoad:
 
     columns: Mapping[str, float]
     contact: NDArray[np.bool_]
+    part: SolvedPart
     reason: str
     hm: HeightMap
 
@@ -177,13 +179,13 @@ def bem_curve(
     problem = problems[0]
     problem.prescribed(kind, float(values.max() if kind == "pressure" else values.min()))
     prepared = time.perf_counter()
-    solved: dict[int, SolvedLoad] = {}
+    solved: dict[int, tuple[Mapping[str, float], str]] = {}
     turn = threading.Lock()
 
     def curve_of(indices: Sequence[int]) -> ContactCurve:
-        points = [solved[i] for i in indices]
+        points, reasons = zip(*(solved[i] for i in indices), strict=True)
         columns: dict[str, Any] = {
-            name: np.array([point.columns[name] for point in points]) for name in points[0].columns
+            name: np.array([point[name] for point in points]) for name in points[0]
         }
         return ContactCurve(
             **{name: columns.pop(name) for name in POINT_FIELDS},
@@ -191,7 +193,7 @@ def bem_curve(
             seconds={"setup": prepared - begun, "loads": time.perf_counter() - prepared},
             settings={**problem.settings(), **asked},
             extra={f"asked_{kind}": values[indices], **columns},
-            reasons=tuple(point.reason for point in points),
+            reasons=reasons,
         )
 
     def follow(chain: range, stop: threading.Event) -> None:
@@ -199,13 +201,15 @@ def bem_curve(
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return
-            point = _solve_point(path, kind, float(values[index]), callable(progress))
+            columns, reason = _solve_point(path, kind, float(values[index]))
             with turn, stopping(stop):
                 if stop.is_set():  # meanwhile: nobody waits for the rest
                     return
-                solved[index] = replace(point, contact=_NO_MAP)
+                solved[index] = columns, reason
                 if tell is not None:
-                    tell(point)
+                    contact = path.problem.finest.pressure > 0.0
+                    part = solved_part(path.problem)
+                    tell(SolvedLoad(columns, contact, part, reason, path.problem.hm))
                 if checkpoint is not None:
                     checkpoint(curve_of([*solved]))
 
@@ -225,14 +229,13 @@ def _require_accuracy(accuracy: float | tuple[float, float]) -> tuple[float, flo
     return found[0], found[-1]
 
 
-def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:
-    """Solve at one load and read the point off the state, with its contact map if that is kept."""
+def _solve_point(path: LoadPath, kind: str, value: float) -> tuple[dict[str, float], str]:
+    """Solve at one load and read the point off the state: `SolvedLoad.columns` and `reason`."""
     problem = path.problem
     exact = problem.finest.exact
     begun, pairs = time.perf_counter(), exact.pairs
     solution = path.solve(kind, value)
     certificate = solution.reading.certificate
-    contact = problem.finest.pressure > 0.0 if keep_map else _NO_MAP
     columns = answer(problem, solution) | {
         "residual": certificate.worst,
         "load_error": certificate.load,
@@ -243,7 +246,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     }
     if math.isfinite(problem.finest.cap):
         columns |= answer_of_hardness(problem, solution)
-    return SolvedLoad(columns, contact, solution.reason, problem.hm)
+    return columns, solution.reason
 
 
 def _shares(kind: str, values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -79,7 +79,8 @@ def prolong(
     )
     # each coarse value times the shares of all fine points in it: the sum of the fine pressure
     down, across = (_shares(n, *axis) for n, axis in zip(shape, (rows, columns), strict=True))
-    total = float(down @ coarse.pressure @ across)
+    # not by BLAS, whose threads would wait beside ours
+    total = float(np.sum(down * np.einsum("ij,j", coarse.pressure, across)))
     factor = mean * fine.heights.size / total if mean > 0.0 and total > 0.0 else 1.0
     pressures = coarse.exact.pressure, fine.exact.pressure
     parallel.by_rows(interpolate, fine_shape, *pressures, *rows, *columns, factor)

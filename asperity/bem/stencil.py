@@ -111,4 +111,6 @@ def stencil_symbol(
 ) -> NDArray[np.float64]:
     """Symbol of a stencil at frequencies [cycles per pixel], shape (fy, fx)."""
     radius = len(stencil) - 1
-    return np.asarray(_cosines(fy, radius) @ stencil @ _cosines(fx, radius).T)
+    # not by BLAS, whose threads would wait beside ours
+    across = np.einsum("ij,xj->ix", stencil, _cosines(fx, radius))
+    return np.asarray(np.einsum("yi,ix->yx", _cosines(fy, radius), across))

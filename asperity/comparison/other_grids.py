@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import surfaces
-from asperity.bem.curve import bem_curve
-from asperity.engine.resolution import between_grids, two_grids
+from asperity.bem.curve import SolvedLoad, bem_curve
+from asperity.engine.resolution import between_grids
 from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
@@ -129,29 +129,40 @@ def coarse_run(
 def refined_run(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, reference: ContactCurve
 ) -> NDArray[np.void] | None:
-    """Errors of the reference's own grid at its lightest and at its heaviest load, on the
-    part of `two_grids`.
+    """Errors of the reference's own grid at its lightest and at its heaviest load, about the
+    highest point of the map.
 
     Returns
     -------
     Structured array, a row per load: mean_pressure [Pa]; load_error, of the load at equal
     separation, and area_error, of the area at equal load, both relative and against a grid twice as
-    fine; ny and nx of that grid. None if no such grid fits into memory, or nothing touches.
+    fine; ny and nx of that grid. None if nothing touches
+    there.
     """
     loads = reference.mean_pressure[reference.converged & (reference.mean_pressure > 0.0)]
-    grids = two_grids(hm, boundary) if loads.size else None
-    if grids is None:
+    if not loads.size:
         return None
-    ny, nx = grids[1].shape
-    ends = np.unique([loads.min(), loads.max()])
-    load, area = np.expm1(between_grids(*grids, material, boundary, ends, REFINED_ACCURACY))
+    seen = list[SolvedLoad]()
+    bem_curve(
+        hm,
+        material,
+        pressures=np.unique([loads.min(), loads.max()]),
+        accuracy=REFINED_ACCURACY,
+        boundary=boundary,
+        progress=seen.append,
+    )
+    solved = [point for point in seen if point.part.pressure.any()]
+    if not solved:
+        return None
+    load, area = np.expm1(between_grids(solved, material, REFINED_ACCURACY))
+    ny, nx = solved[0].part.shape
     return structured(
         {
-            "mean_pressure": ends,
+            "mean_pressure": np.array([point.mean_pressure for point in solved]),
             "load_error": load,
             "area_error": area,
-            "ny": np.full(len(ends), ny),
-            "nx": np.full(len(ends), nx),
+            "ny": np.full(len(solved), 2 * ny),
+            "nx": np.full(len(solved), 2 * nx),
         }
     )
 

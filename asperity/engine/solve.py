@@ -150,7 +150,7 @@ def solve(
     values, place = np.unique(given, return_inverse=True)  # equal loads are solved once
     with reported(progress, None, "boundary elements") as tell:
         border = chosen_boundary(hm, boundary)
-        solved = SolvedLoads(material, border, tell)
+        solved = SolvedLoads(material, border, kind, values, tell)
         scene = _Scene(hm, material, kind, border, judge or bem_curve, solved)
         clock = _Clock(begun)
         choice = scene.choice(values, engine, bool(verify), asked)
@@ -311,8 +311,7 @@ class _Scene:
             if not self.fits:
                 return UNTOLD
             self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
-        heaviest = float(pressure[curve.converged].max(initial=0.0))
-        return resolution(self.hm, self.material, self.boundary, self.solved, heaviest)
+        return resolution(self.hm, self.material, self.solved)
 
 
 def _marked(curve: ContactCurve, anchor: bool) -> ContactCurve:

@@ -241,9 +241,6 @@ class PixelUncertainty:
         one pixel.
     doubtful
         Least share [-] of the contact area in narrow contacts for which a finer grid is solved.
-    whole, tile
-        Points along the sides of the largest map that is refined as a whole, and of the part of a
-        larger one, about its highest point, that is refined.
     safety
         Stated uncertainty over the largest difference between both grids [-].
     floor
@@ -254,9 +251,7 @@ class PixelUncertainty:
 
     narrow: float = 3.0
     doubtful: float = 0.5
-    whole: int = 512
-    tile: int = 256
-    safety: float = 1.5
+    safety: float = 2.0
     floor: tuple[float, float] = (0.02, 0.05)
     large: tuple[float, float] = (0.05, 0.15)
 

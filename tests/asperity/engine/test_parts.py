@@ -10,7 +10,7 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.engine import part_misfit, parts, resolution
+from asperity.engine import part_misfit, parts
 from asperity.halfspace.load_points import default_pressures
 from asperity.trust.verified import Accuracy
 from surfaces.files.stored_map import StoredMap
@@ -174,7 +174,6 @@ def test_where_boundary_elements_of_the_whole_do_not_fit(monkeypatch):
 def test_a_map_on_disk_stays_there(monkeypatch):
     """Its parts are read, the whole never is, and the answer is that of the map in memory."""
     monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
-    monkeypatch.setattr(resolution, "FITTED", replace(resolution.FITTED, whole=256))
     monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * 1024 * 60)
     hm = surfaces.self_affine((1024, 1024), (1024.0, 1024.0), hurst=0.8, rms_slope=0.1, seed=8)
     blocks = ((row, hm.heights[row : row + 64]) for row in range(0, 1024, 64))

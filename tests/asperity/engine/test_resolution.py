@@ -10,6 +10,7 @@ import pytest
 
 import surfaces
 from asperity import HalfSpace, bem_curve, solve
+from asperity.bem import part
 from asperity.engine import resolution
 from asperity.engine.resolution import FITTED, narrow_share, opened_share
 from asperity.halfspace.load_points import closed_share, default_pressures
@@ -97,7 +98,7 @@ def test_a_part_bears_the_load_of_its_contacts(monkeypatch):
     loads = [1e-5, 4e-5, 1.6e-4]
     stated = {}
     for tile in (128, 256):
-        monkeypatch.setattr(resolution, "FITTED", replace(FITTED, whole=tile, tile=tile))
+        monkeypatch.setattr(part, "POINTS", tile)
         stated[tile] = solve(hill, BODY, pressures=loads).verification["resolution_uncertainty"]
     assert stated[256][1] > 2.0 * FITTED.floor[1]  # the case tells something
     assert stated[128] == pytest.approx(stated[256], rel=0.2)
@@ -178,10 +179,10 @@ def test_a_load_that_does_not_converge_on_a_finer_grid_leaves_an_unknown_part_op
 
     hm = waves(None)
     loads = default_pressures(hm, BODY, 3)
-    solved = resolution.SolvedLoads(BODY, "periodic")
+    solved = resolution.SolvedLoads(BODY, "periodic", "pressure", loads)
     bem_curve(hm, BODY, pressures=loads[:1], progress=solved)
     monkeypatch.setattr(resolution, "bem_curve", stalled)
-    found = resolution.resolution(hm, BODY, "periodic", solved, loads[-1])
+    found = resolution.resolution(hm, BODY, solved)
     assert np.isnan([found.load, found.area]).all()
     assert "did not converge" in found.told_by and "an unknown part" in found.warnings[0]
 

@@ -1,0 +1,83 @@
+"""A part of a solved map as a scene of its own, under what the rest of the map does to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.halfspace.material import HalfSpace
+from surfaces.heightmap import HeightMap
+
+from .operator import HalfSpaceOperator
+from .problem import ContactProblem
+from .solution import read_contact
+
+__all__ = ["SolvedPart", "solved_part"]
+
+Array = NDArray[np.float64]
+
+POINTS = 160
+"""Points along the sides of the part: enough contacts to tell what the pixels leave open, at a
+small part of the time of a load (docs/development/verification.md)."""
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedPart:
+    """State of a solved load on a part of the map.
+
+    Attributes
+    ----------
+    heights, pressure, displacement
+        Heights about the mean of the map [m], contact pressure [Pa], and displacement by the
+        pressure on the whole map [m], shape (ny, nx).
+    spacing
+        Pixel size (dy, dx) [m].
+    """
+
+    heights: Array
+    pressure: Array
+    displacement: Array
+    spacing: tuple[float, float]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Points (ny, nx) of the part."""
+        ny, nx = self.heights.shape
+        return ny, nx
+
+    def contact_area(self, material: HalfSpace) -> float:
+        """Corrected contact area [m^2]."""
+        columns = self.shape[1]
+        return read_contact(self.pressure, self.spacing, columns, material.hardness, periodic=True)[
+            1
+        ]
+
+    def alone(self, material: HalfSpace) -> HeightMap:
+        """The part as a periodic cell: under its own load it bears the pressures, and is separated,
+        as on the whole map, whose other pressures lower its heights by what they displace."""
+        exact = HalfSpaceOperator(self.shape, self.spacing, material)
+        ny, nx = self.shape
+        exact.pressure[:, :nx] = exact.compliance * self.pressure
+        own = exact.apply()[:ny, :nx]
+        return HeightMap(self.heights - (self.displacement - own), self.spacing)
+
+
+def solved_part(problem: ContactProblem) -> SolvedPart:
+    """State of the load solved last on the part about the highest point of the map."""
+    hm, exact = problem.hm, problem.finest.exact
+    lines = []
+    for at, n in zip(hm.roughness.summit, hm.shape, strict=True):
+        count = min(POINTS, n)
+        first = at - count // 2
+        if problem.boundary != "periodic":
+            first = min(max(first, 0), n - count)
+        lines.append((first + np.arange(count)) % n)
+    part = np.ix_(*lines)
+    return SolvedPart(
+        hm.heights[part] - hm.roughness.mean,
+        problem.finest.pressure[part] / problem.compliance,
+        exact.displacement[part] * problem.unit,
+        hm.spacing,
+    )
