@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +36,8 @@ FITTED = DEFAULTS.pixel_uncertainty
 
 ACCURACY = 0.05
 """Accuracy in area of the solutions on both grids."""
+
+NO_MAP = np.zeros((0, 0), np.bool_)
 
 SAMPLE = 2**14
 """Points of a contact whose slope is looked at: its mean square is off by a percent."""
@@ -73,21 +74,22 @@ UNTOLD = Resolution(float("nan"), float("nan"), "nothing was solved by boundary 
 
 
 class SolvedLoads:
-    """Progress function of boundary elements that keeps what resolution needs of the load points.
+    """Progress function of boundary elements that keeps what resolution needs of the load points,
+    without their contact maps.
 
     Calls `progress` with every point; calls from several threads follow each other.
 
     Parameters
     ----------
     kind, values
-        "pressure" or "separation", and the load points asked for.
+        "pressure" or "separation", and the load points asked for, sorted.
 
     Attributes
     ----------
     lightest
         The lightest load point under load; None before any.
     middle
-        The load point nearest to the median of those asked for; None before any.
+        The load point nearest to the middle one of those asked for; None before any.
     most_opened
         The load point of the largest `opened_share`, of equal ones the lightest; None before any
         opens.
@@ -106,7 +108,7 @@ class SolvedLoads:
         self.middle: SolvedLoad | None = None
         self.most_opened: SolvedLoad | None = None
         self._column = "mean_pressure" if kind == "pressure" else "separation"
-        self._middle, self._from_middle = float(np.median(values)), math.inf
+        self._middle, self._from_middle = float(values[len(values) // 2]), math.inf
         self._rank = 0.0, 0.0
         self._turn = threading.Lock()
 
@@ -118,6 +120,7 @@ class SolvedLoads:
                 return
             share = opened_share(point, self.material, periodic=self.periodic)
             rank = share, -point.mean_pressure
+            point = replace(point, contact=NO_MAP)  # which may be large
             if rank > self._rank:
                 self._rank, self.most_opened = rank, point
             if self.lightest is None or point.mean_pressure < self.lightest.mean_pressure:
@@ -139,19 +142,15 @@ class SolvedLoads:
         return self._rank[0]
 
 
-def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
-    """Share of the contact area in narrow contacts (`PixelUncertainty`); their pixels meet at
-    edges."""
-    labels, count = label_patches(contact, periodic=periodic, corners=False)
-    row, column = np.nonzero(contact)
-    own = labels[row, column]
-    pixels, perimeter = np.bincount(own, minlength=count + 1), np.zeros(count + 1, np.int64)
-    # the border of a free map is no edge of a contact that it cuts
-    over_border: Literal["wrap", "clip"] = "wrap" if periodic else "clip"
-    for down, across in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-        beside = np.ravel_multi_index((row + down, column + across), contact.shape, over_border)
-        perimeter += np.bincount(own[~contact.take(beside)], minlength=count + 1)
-    return float(pixels[4 * pixels < FITTED.narrow * perimeter].sum() / max(pixels.sum(), 1))
+def narrow_share(contact: NDArray[np.bool_]) -> float:
+    """Share of the contact area of a part of a map in narrow contacts (`PixelUncertainty`), whose
+    pixels meet at edges; the border of the part is no edge of a contact that it cuts."""
+    own = label_patches(contact, periodic=False, corners=False)[0][contact]
+    around = np.pad(contact, 1, mode="edge")
+    beside = around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:]
+    edges = 4.0 - np.sum(beside, axis=0)[contact]
+    pixels, perimeter = np.bincount(own), np.bincount(own, edges)
+    return float(pixels[4 * pixels < FITTED.narrow * perimeter].sum() / max(len(own), 1))
 
 
 def opened_share(point: SolvedLoad, material: HalfSpace, *, periodic: bool) -> float:
@@ -184,13 +183,13 @@ def resolution(hm: HeightMap, material: HalfSpace, solved: SolvedLoads) -> Resol
     """Resolution of a curve from some of its `solved` loads.
 
     About the highest point, one to three of them are solved on a grid twice as fine, too. None is
-    if the waves of the map end well above its pixels, where it touches, too, and few contacts are
-    narrow: the least uncertainty is stated.
+    if the waves of the map end well above its pixels, where it touches, too, and few contacts there
+    are narrow: the least uncertainty is stated.
     """
     point, opened = solved.lightest, solved.opened
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
-    share = narrow_share(point.contact, periodic=solved.periodic)
+    share = narrow_share(point.part.pressure > 0.0)
     held = (
         f"contacts narrower than {FITTED.narrow:g} pixels hold {share:.0%} of the lightest "
         f"contact, waves of less than two pixels would open {opened:.0%} of a contact"

@@ -132,14 +132,14 @@ def test_share_of_narrow_contacts():
     contact = np.zeros((20, 20), bool)
     contact[2:4, 2:4] = True
     contact[10:14, 10:14] = True
-    assert narrow_share(contact, periodic=False) == 4 / 20
+    assert narrow_share(contact) == 4 / 20
     contact[:] = False
-    contact[-2:, 3:9] = contact[:2, 3:9] = True  # one contact of 4 x 6, or two that a border cuts
-    assert narrow_share(contact, periodic=True) == narrow_share(contact, periodic=False) == 0.0
+    contact[-2:, 3:9] = True  # the border of the part cuts it
+    assert narrow_share(contact) == 0.0
     contact[:] = False
     contact[:, 7] = True  # a ridge is as narrow as it is long
-    assert narrow_share(contact, periodic=True) == narrow_share(contact, periodic=False) == 1.0
-    assert narrow_share(~contact, periodic=True) == 0.0
+    assert narrow_share(contact) == 1.0
+    assert narrow_share(~contact) == 0.0
 
 
 @pytest.mark.parametrize("m", [0.0, 0.3])
