@@ -117,7 +117,7 @@ def descent(
         if load is None or solution.reason:
             return solution
         assert solution.linearized is not None
-        final = finished(solution.linearized, solution, load)
+        final = finished(solution.linearized, solution, load, bound)
         missed = abs(final.load / load - 1.0)
         if missed <= MISSED_LOAD:
             return final
