@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 FITTED = DEFAULTS.pixel_uncertainty
 
 ACCURACY = 0.05
-"""Accuracy in area of the solutions on both grids."""
+"""Accuracy in load and area of the solution on the finer grid."""
 
 NO_MAP = np.zeros((0, 0), np.bool_)
 
@@ -198,7 +198,7 @@ def resolution(hm: HeightMap, material: HalfSpace, solved: SolvedLoads) -> Resol
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
     if share < FITTED.doubtful and opened <= FITTED.floor[1] and not broken:
         return Resolution(*FITTED.floor, held)
-    apart = np.abs(between_grids(solved.kept, material, ACCURACY)).max(axis=1)
+    apart = np.abs(between_grids(solved.kept, material, ACCURACY)).max(axis=1, initial=0.0)
     load, area = np.maximum(FITTED.floor, FITTED.safety * apart).tolist()
     if math.isnan(load + area):
         why = f"{held}, and a load on a grid twice as fine did not converge"
@@ -217,7 +217,7 @@ def between_grids(points: Sequence[SolvedLoad], material: HalfSpace, accuracy: f
     highest point of a map, over those on a grid twice as fine, at n solved loads, shape (2, n); NaN
     where not converged.
 
-    The part is pressed as on the map (`SolvedPart.alone`), and both grids are solved to an
+    The part is pressed as on the map (`SolvedPart.alone`), and the finer grid is solved to an
     `accuracy` in load and area. In full contact, where the stiffness is infinite, the loads count
     as equal.
     """
@@ -240,4 +240,4 @@ def between_grids(points: Sequence[SolvedLoad], material: HalfSpace, accuracy: f
         area = np.log(part.contact_area(material) / fine.contact_area)
         return np.where(fine.converged, np.concatenate([load, area]), np.nan)
 
-    return np.transpose(parallel.apart(finer, points))
+    return np.reshape(parallel.apart(finer, points), (-1, 2)).T
