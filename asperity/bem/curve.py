@@ -202,14 +202,13 @@ def bem_curve(
             if stop.is_set():
                 return
             columns, reason = _solve_point(path, kind, float(values[index]))
+            seen = None if tell is None else _seen(path.problem, columns, reason)
             with turn, stopping(stop):
                 if stop.is_set():  # meanwhile: nobody waits for the rest
                     return
                 solved[index] = columns, reason
-                if tell is not None:
-                    contact = path.problem.finest.pressure > 0.0
-                    part = solved_part(path.problem)
-                    tell(SolvedLoad(columns, contact, part, reason, path.problem.hm))
+                if tell and seen:
+                    tell(seen)
                 if checkpoint is not None:
                     checkpoint(curve_of([*solved]))
 
@@ -247,6 +246,12 @@ def _solve_point(path: LoadPath, kind: str, value: float) -> tuple[dict[str, flo
     if math.isfinite(problem.finest.cap):
         columns |= answer_of_hardness(problem, solution)
     return columns, solution.reason
+
+
+def _seen(problem: ContactProblem, columns: Mapping[str, float], reason: str) -> SolvedLoad:
+    """The load solved last as `progress` sees it."""
+    contact = problem.finest.pressure > 0.0
+    return SolvedLoad(columns, contact, solved_part(problem), reason, problem.hm)
 
 
 def _shares(kind: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
