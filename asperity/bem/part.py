@@ -34,12 +34,15 @@ class SolvedPart:
         pressure on the whole map [m], shape (ny, nx).
     spacing
         Pixel size (dy, dx) [m].
+    material
+        Half-space that is pressed.
     """
 
     heights: Array
     pressure: Array
     displacement: Array
     spacing: tuple[float, float]
+    material: HalfSpace
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -47,17 +50,19 @@ class SolvedPart:
         ny, nx = self.heights.shape
         return ny, nx
 
-    def contact_area(self, material: HalfSpace) -> float:
+    @property
+    def contact_area(self) -> float:
         """Corrected contact area [m^2]."""
-        columns = self.shape[1]
-        return read_contact(self.pressure, self.spacing, columns, material.hardness, periodic=True)[
-            1
-        ]
+        hardness = self.material.hardness
+        _, area, _ = read_contact(
+            self.pressure, self.spacing, self.shape[1], hardness, periodic=True
+        )
+        return area
 
-    def alone(self, material: HalfSpace) -> HeightMap:
+    def alone(self) -> HeightMap:
         """The part as a periodic cell: under its own load it bears the pressures, and is separated,
         as on the whole map, whose other pressures lower its heights by what they displace."""
-        exact = HalfSpaceOperator(self.shape, self.spacing, material)
+        exact = HalfSpaceOperator(self.shape, self.spacing, self.material)
         ny, nx = self.shape
         exact.pressure[:, :nx] = exact.compliance * self.pressure
         own = exact.apply()[:ny, :nx]
@@ -80,4 +85,5 @@ def solved_part(problem: ContactProblem) -> SolvedPart:
         problem.finest.pressure[part] / problem.compliance,
         exact.displacement[part] * problem.unit,
         hm.spacing,
+        problem.material,
     )

@@ -136,8 +136,7 @@ def refined_run(
     -------
     Structured array, a row per load: mean_pressure [Pa]; load_error, of the load at equal
     separation, and area_error, of the area at equal load, both relative and against a grid twice as
-    fine; ny and nx of that grid. None if nothing touches
-    there.
+    fine; ny and nx of that grid. None if nothing touches there.
     """
     loads = reference.mean_pressure[reference.converged & (reference.mean_pressure > 0.0)]
     if not loads.size:
@@ -154,7 +153,7 @@ def refined_run(
     solved = [point for point in seen if point.part.pressure.any()]
     if not solved:
         return None
-    load, area = np.expm1(between_grids(solved, material, REFINED_ACCURACY))
+    load, area = np.expm1(between_grids(solved, REFINED_ACCURACY))
     ny, nx = solved[0].part.shape
     return structured(
         {

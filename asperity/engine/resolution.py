@@ -86,13 +86,10 @@ class SolvedLoads:
 
     Attributes
     ----------
-    lightest
-        The lightest load point under load; None before any.
-    middle
-        The load point nearest to the middle one of those asked for; None before any.
-    most_opened
-        The load point of the largest `opened_share`, of equal ones the lightest; None before any
-        opens.
+    best
+        The load points kept, each with the rank that it is the least of: "lightest" (of those under
+        load), "middle" (nearest to the middle one of those asked for), and "most opened" (of the
+        largest `opened_share`, of equal ones the lightest).
     """
 
     def __init__(
@@ -104,42 +101,43 @@ class SolvedLoads:
         progress: Callable[[SolvedLoad], object] | None = None,
     ) -> None:
         self.material, self.periodic, self.progress = material, boundary == "periodic", progress
-        self.lightest: SolvedLoad | None = None
-        self.middle: SolvedLoad | None = None
-        self.most_opened: SolvedLoad | None = None
+        self.best: dict[str, tuple[tuple[float, ...], SolvedLoad]] = {}
         self._column = "mean_pressure" if kind == "pressure" else "separation"
-        self._middle, self._from_middle = float(values[len(values) // 2]), math.inf
-        self._rank = 0.0, 0.0
+        self._middle = float(values[len(values) // 2])
         self._turn = threading.Lock()
 
     def __call__(self, point: SolvedLoad) -> None:
         with self._turn:
             if self.progress is not None:
                 self.progress(point)
-            if point.mean_pressure <= 0.0:
+            load = point.mean_pressure
+            if load <= 0.0:
                 return
-            share = opened_share(point, self.material, periodic=self.periodic)
-            rank = share, -point.mean_pressure
+            ranks = {
+                "lightest": (load,),
+                "middle": (abs(point.columns[self._column] - self._middle),),
+                "most opened": (-opened_share(point, self.material, periodic=self.periodic), load),
+            }
             point = replace(point, contact=NO_MAP)  # which may be large
-            if rank > self._rank:
-                self._rank, self.most_opened = rank, point
-            if self.lightest is None or point.mean_pressure < self.lightest.mean_pressure:
-                self.lightest = point
-            apart = abs(point.columns[self._column] - self._middle)
-            if apart < self._from_middle:
-                self._from_middle, self.middle = apart, point
+            for name, rank in ranks.items():
+                if name not in self.best or rank < self.best[name][0]:
+                    self.best[name] = rank, point
 
     @property
-    def kept(self) -> list[SolvedLoad]:
-        """The load points kept whose part bears load, each once."""
-        points = self.lightest, self.middle, self.most_opened
-        found = {id(each): each for each in points if each and each.part.pressure.any()}
-        return [*found.values()]
+    def lightest(self) -> SolvedLoad | None:
+        """The lightest load point under load; None before any."""
+        return self.best["lightest"][1] if self.best else None
 
     @property
     def opened(self) -> float:
         """Largest `opened_share` of a load point; zero before any opens."""
-        return self._rank[0]
+        return -self.best["most opened"][0][0] if self.best else 0.0
+
+    @property
+    def kept(self) -> list[SolvedLoad]:
+        """The load points kept whose part bears load, each once."""
+        found = {id(point): point for _, point in self.best.values() if point.part.pressure.any()}
+        return [*found.values()]
 
 
 def narrow_share(contact: NDArray[np.bool_]) -> float:
@@ -179,7 +177,7 @@ def opened_share(point: SolvedLoad, material: HalfSpace, *, periodic: bool) -> f
     return 1.0 - closed_share(pressure / math.sqrt(resisted)) if resisted > 0.0 else 0.0
 
 
-def resolution(hm: HeightMap, material: HalfSpace, solved: SolvedLoads) -> Resolution:
+def resolution(hm: HeightMap, solved: SolvedLoads) -> Resolution:
     """Resolution of a curve from some of its `solved` loads.
 
     About the highest point, one to three of them are solved on a grid twice as fine, too. None is
@@ -198,7 +196,7 @@ def resolution(hm: HeightMap, material: HalfSpace, solved: SolvedLoads) -> Resol
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
     if share < FITTED.doubtful and opened <= FITTED.floor[1] and not broken:
         return Resolution(*FITTED.floor, held)
-    apart = np.abs(between_grids(solved.kept, material, ACCURACY)).max(axis=1, initial=0.0)
+    apart = np.abs(between_grids(solved.kept, ACCURACY)).max(axis=1, initial=0.0)
     load, area = np.maximum(FITTED.floor, FITTED.safety * apart).tolist()
     if math.isnan(load + area):
         why = f"{held}, and a load on a grid twice as fine did not converge"
@@ -212,7 +210,7 @@ def resolution(hm: HeightMap, material: HalfSpace, solved: SolvedLoads) -> Resol
     return Resolution(load, area, told, (warning,) if large else ())
 
 
-def between_grids(points: Sequence[SolvedLoad], material: HalfSpace, accuracy: float) -> Array:
+def between_grids(points: Sequence[SolvedLoad], accuracy: float) -> Array:
     """Logarithms of the load at equal separation and of the contact area at equal load about the
     highest point of a map, over those on a grid twice as fine, at n solved loads, shape (2, n); NaN
     where not converged.
@@ -225,19 +223,19 @@ def between_grids(points: Sequence[SolvedLoad], material: HalfSpace, accuracy: f
     def finer(point: SolvedLoad) -> Array:
         """Both logarithms at one load."""
         part, stiffness = point.part, point.columns["stiffness"]
-        own = part.alone(material)
+        own = part.alone()
         # by rounding it may exceed the hardness
-        pressure = min(float(part.pressure.mean()), material.hardness)
+        pressure = min(float(part.pressure.mean()), part.material.hardness)
         fine = bem_curve(
             resample(own, np.asarray(own.spacing) / 2),
-            material,
+            part.material,
             pressures=pressure,
             accuracy=accuracy,
             boundary="periodic",
         )
         rate = 0.0 if math.isinf(stiffness) else stiffness / point.mean_pressure
         load = rate * (point.separation - own.roughness.mean - fine.separation)
-        area = np.log(part.contact_area(material) / fine.contact_area)
+        area = np.log(part.contact_area / fine.contact_area)
         return np.where(fine.converged, np.concatenate([load, area]), np.nan)
 
     return np.reshape(parallel.apart(finer, points), (-1, 2)).T

@@ -311,7 +311,7 @@ class _Scene:
             if not self.fits:
                 return UNTOLD
             self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
-        return resolution(self.hm, self.material, self.solved)
+        return resolution(self.hm, self.solved)
 
 
 def _marked(curve: ContactCurve, anchor: bool) -> ContactCurve:

@@ -182,7 +182,7 @@ def test_a_load_that_does_not_converge_on_a_finer_grid_leaves_an_unknown_part_op
     solved = resolution.SolvedLoads(BODY, "periodic", "pressure", loads)
     bem_curve(hm, BODY, pressures=loads[:1], progress=solved)
     monkeypatch.setattr(resolution, "bem_curve", stalled)
-    found = resolution.resolution(hm, BODY, solved)
+    found = resolution.resolution(hm, solved)
     assert np.isnan([found.load, found.area]).all()
     assert "did not converge" in found.told_by and "an unknown part" in found.warnings[0]
 
