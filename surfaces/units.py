@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 import re
 from decimal import Decimal
-from pathlib import Path
 
-from .errors import FileFormatError, InputError, shown
+from .errors import InputError, shown
 
 __all__ = ["METRES", "QUANTITIES", "chosen_unit", "metres_per", "quantities", "quantity"]
 
@@ -144,19 +143,15 @@ def _factor(unit: str, kind: str) -> float | None:
     return QUANTITIES[kind][0].get(plain)
 
 
-def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
-    """The unit of the heights of a file: as it states, or as the caller says where it does not.
-
-    Raises
-    ------
-    FileFormatError
-        If neither says one, or they differ.
-    """
-    if not (stated or given):
-        raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")
-    if stated and given and metres_per(stated) != metres_per(given):
-        raise FileFormatError(f"{path}: states unit {stated!r}; leave out --unit {given}")
-    return stated or str(given)
+def chosen_unit(stated: str | None, given: str | None) -> str:
+    """The unit of the heights of a file: as it states, or as the caller says where it does not;
+    refused if neither says one, or they differ."""
+    unit = stated or given
+    if not unit:
+        raise InputError("states no unit; pass --unit (unit=...), such as --unit um")
+    if metres_per(unit) != metres_per(given or unit):
+        raise InputError(f"states unit {shown(stated)}; leave out --unit {given}")
+    return unit
 
 
 def metres_per(unit: str) -> float:

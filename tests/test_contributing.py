@@ -80,7 +80,7 @@ def test_a_format_of_the_page_is_read_and_its_faults_are_told(tmp_path):
     hm = read(path, None, "um", None)
     np.testing.assert_allclose(hm.heights, 1e-6 * heights)
     np.testing.assert_allclose(hm.spacing, (3e-6, 2e-6))
-    with pytest.raises(FileFormatError, match="states no unit"):
+    with pytest.raises(asperity.InputError, match="states no unit"):
         read(path, None, None, None)
     for cut in range(5, len(text) - 20, 7):
         path.write_text(text[:cut])

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surfaces.errors import InputError, checked_spacing, shown
-from surfaces.units import metres_per
+from surfaces.units import chosen_unit
 
 from ._damage import DAMAGED, brief
 
@@ -126,11 +126,21 @@ def header_of(
     def tell(text: str, fatal: bool = True) -> None:
         faults.append(Fault(f"dataset {dataset.name}{text}", fatal))
 
+    def read(name: str, find: Callable[[Any], Any], default: Any) -> Any:
+        absent = "" if name in attributes else holds
+        try:
+            return find(attributes.pop(name, None))
+        except InputError as error:
+            tell(f": {error}{absent}")
+            return default
+
     attributes = {key: stated_value(value) for key, value in attributes.items()}
     holds = f" (its attributes: {', '.join(attributes) or 'none'})"[:200]
-    pixel = _spacing(attributes.pop("spacing", None), spacing, tell, holds)
-    stated = _unit(attributes.pop("unit", None), unit, tell, holds)
-    periodic = _periodic(attributes.pop("periodic", None), tell)
+    pixel = read("spacing", lambda stated: one_spacing(stated, spacing), (0.0, 0.0))
+    stated = read("unit", lambda stated: chosen_unit(stated, unit), "")
+    if "periodic" not in attributes:
+        tell(" has no attribute periodic; it is read as False", False)
+    periodic = read("periodic", lambda stated: stated is not None and truth(stated), False)
     schema = attributes.pop("schema", None)
     if schema is None:
         tell(f' has no attribute schema; schema 1 files say "{SCHEMA}"', False)
@@ -221,52 +231,17 @@ def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[
     return found
 
 
-def _spacing(
-    stated: Any, given: tuple[float, float] | None, tell: Tell, holds: str
-) -> tuple[float, float]:
-    if stated is None and given is None:
-        tell(f" has no attribute spacing; pass --spacing DY DX (spacing=...) in m{holds}")
-        return 0.0, 0.0
-    try:
-        return one_spacing(stated, given)
-    except InputError as error:
-        tell(f": {error}")
-        return 0.0, 0.0
-
-
 def one_spacing(stated: Any, given: ArrayLike | None) -> tuple[float, float]:
-    """Pixel size (dy, dx) [m] that is stated, or given; refused if both are and differ."""
+    """Pixel size (dy, dx) [m] that a file states, or the caller gives where it does not; refused if
+    neither does, or they differ."""
+    if stated is None and given is None:
+        raise InputError("states no pixel size; pass --spacing DY DX (spacing=...) in m")
     pixel = checked_spacing(given if stated is None else stated)
     if given is not None and not np.allclose(pixel, checked_spacing(given), rtol=1e-9, atol=0.0):
         raise InputError(
             f"states spacing ({pixel[0]:.6g}, {pixel[1]:.6g}) m; leave out the other --spacing"
         )
     return pixel
-
-
-def _unit(stated: Any, given: str | None, tell: Tell, holds: str) -> str:
-    unit = given if stated is None else stated
-    if unit is None:
-        tell(f" has no attribute unit; pass --unit (unit=...), such as um{holds}")
-        return ""
-    try:
-        factor = metres_per(unit)
-        if stated is not None and given is not None and metres_per(given) != factor:
-            tell(f" states unit {shown(stated)}; leave out --unit {given}")
-    except InputError as error:
-        tell(f": unit {error}")
-    return str(unit)
-
-
-def _periodic(stated: Any, tell: Tell) -> bool:
-    if stated is None:
-        tell(" has no attribute periodic; it is read as False", False)
-        return False
-    try:
-        return truth(stated)
-    except InputError as error:
-        tell(f": {error}")
-        return False
 
 
 def _packing(attributes: dict[str, Any], tell: Tell) -> Packing:

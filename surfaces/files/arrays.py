@@ -26,7 +26,6 @@ from .columns import gridded
 
 __all__ = [
     "as_map",
-    "chosen_spacing",
     "heading",
     "named_map",
     "read_npy",
@@ -132,7 +131,7 @@ def read_text(
     points = gridded(heights)
     if points is not None:
         heights, pixel = points
-        unit = chosen_unit(path, stated.get("unit"), unit)
+        unit = chosen_unit(stated.get("unit"), unit)
         if spacing is None:  # else the unit of x and y is unknown
             stated.setdefault("spacing", [step * metres_per(unit) for step in pixel])
     elif path.suffix.lower() == ".xyz":
@@ -230,8 +229,8 @@ def as_map(
         raise FileFormatError(
             f"{path}: holds {array.dtype} of shape {array.shape}; heights are real numbers, 2-D"
         )
-    chosen = chosen_unit(path, stated.get("unit"), unit)
-    pixel = chosen_spacing(path, stated.get("spacing"), spacing)
+    chosen = chosen_unit(stated.get("unit"), unit)
+    pixel = one_spacing(stated.get("spacing"), spacing)
     require_memory(24 * array.size, f"{path}: a map of {array.shape}", "crop it first")
     with np.errstate(all="ignore"):
         heights = np.asarray(array, dtype=np.float64) * metres_per(chosen)
@@ -242,16 +241,6 @@ def as_map(
         name=str(stated.get("name") or path.stem),
         history=({"step": "read", "file": path.name, **origin, "unit": chosen},),
     )
-
-
-def chosen_spacing(path: Path, stated: Any, given: ArrayLike | None) -> tuple[float, float]:
-    """Pixel size (dy, dx) [m] of the map in a file: as it states, or as the caller says where it
-    does not; refused if neither says one, or they differ."""
-    if stated is None and given is None:
-        raise FileFormatError(
-            f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
-        )
-    return one_spacing(stated, given)
 
 
 def _check_npy_header(member: IO[bytes], size: int, name: str) -> None:

@@ -5,7 +5,6 @@ The layout is described in ``docs/formats.md``.
 
 from __future__ import annotations
 
-import itertools
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
@@ -27,11 +26,11 @@ from surfaces.errors import (
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import available_bytes, require_memory
+from surfaces.numerics.stored_array import spans
 from surfaces.units import metres_per
 
 from ._container import find, opened, require_sound
 from ._damage import naming_damage
-from ._packing import has_packed_chunks, unpacked
 from ._schema import Fault, Header, Packing, plain, read_header
 from .stored_map import StoredMap
 from .zarr_array import is_zarr, read_zarr
@@ -88,7 +87,6 @@ class SurfaceFile:
         self.name = header.name or path.stem
         self._file = file
         self._dataset = dataset
-        self._packed_chunks = has_packed_chunks(dataset)
         self._packing, self._chunks = header.packing, header.chunks
         self.history = header.history or (self._origin(header.notes),)
 
@@ -128,22 +126,17 @@ class SurfaceFile:
         )
         heights, packing, metres = np.empty(shape), self._packing, metres_per(self.unit)
 
-        def fill(part: tuple[_Span, _Span]) -> None:
-            (first, last), (west, east) = part
+        def fill(rows: _Span) -> None:
             with np.errstate(all="ignore"):
-                place = heights[first - top : last - top, west - left : east - left]
-                stored = self._stored(*part)
+                place = heights[rows[0] : rows[1]]
+                stored = self._stored((top + rows[0], top + rows[1]), (left, right))
                 np.multiply(stored, packing.scale * metres, out=place, dtype=np.float64)
                 if packing.offset:
                     place += packing.offset * metres
                 for blank in packing.blanks:
                     place[stored == blank] = np.nan
 
-        ny, nx = self._rows_per_block(shape[1]), right
-        if self._packed_chunks:
-            ny, nx = self._dataset.chunks
-        parts = itertools.product(_parts(top, bottom, ny), _parts(left, right, nx))
-        parallel.each(fill, list(parts))
+        parallel.each(fill, spans(shape[0], self._rows_per_block(shape[1])))
         return heights
 
     def blocks(self, rows: int | None = None) -> Iterator[tuple[int, NDArray[np.float64]]]:
@@ -237,11 +230,7 @@ class SurfaceFile:
         return checked_part("rows", rows, ny), checked_part("columns", columns, nx)
 
     def _stored(self, rows: _Span, columns: _Span) -> NDArray[Any]:
-        """Heights in the unit of the file; of no more than one chunk, if the chunks are packed."""
-        if self._packed_chunks:
-            values = unpacked(self._dataset, rows, columns)
-            if values is not None:
-                return values
+        """Heights in the unit of the file."""
         part = f"rows {rows[0]} to {rows[1]} of dataset {self._dataset.name}"
         with naming_damage(self.path, f"{part} are damaged"):
             return np.asarray(self._dataset[slice(*rows), slice(*columns)])
@@ -317,11 +306,3 @@ def opened_parts(
     except BaseException:
         file.close()
         raise
-
-
-def _parts(start: int, stop: int, side: int) -> list[_Span]:
-    """A range cut at the multiples of `side`."""
-    return [
-        (max(first, start), min(first + side, stop))
-        for first in range(start - start % side, stop, side)
-    ]

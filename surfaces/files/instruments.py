@@ -18,7 +18,8 @@ from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
 from ._damage import brief, naming_damage
-from .arrays import as_map, chosen_spacing, require_unnamed
+from ._schema import one_spacing
+from .arrays import as_map, require_unnamed
 
 __all__ = ["SDF_SIGNATURES", "read_instrument", "read_sdf", "read_x3p"]
 
@@ -119,8 +120,8 @@ def read_instrument(
                 )
             _require_room(path, math.prod(channel.nb_grid_pts))
             stated = channel.unit if isinstance(channel.unit, str) else None
-            chosen = chosen_unit(path, stated, unit)
-            sizes = _sizes(channel, path, spacing, metres_per(chosen))
+            chosen = chosen_unit(stated, unit)
+            sizes = _sizes(channel, spacing, metres_per(chosen))
             topography = channel.topography(**sizes)
             origin = {"format": str(reader.format()), "channel": str(channel.name)}
             heights = np.ma.filled(np.ma.masked_invalid(topography.heights()), np.nan)
@@ -136,15 +137,15 @@ def read_instrument(
 
 
 def _sizes(
-    channel: Any, path: Path, spacing: ArrayLike | None, metres: float
+    channel: Any, spacing: ArrayLike | None, metres: float
 ) -> dict[str, tuple[float, float]]:
     """What to tell the library about a map whose file does not say how large it is."""
     nx, ny = channel.nb_grid_pts
     if channel.physical_sizes is not None:
         length_x, length_y = channel.physical_sizes
-        chosen_spacing(path, (length_y * metres / ny, length_x * metres / nx), spacing)
+        one_spacing((length_y * metres / ny, length_x * metres / nx), spacing)
         return {}
-    dy, dx = chosen_spacing(path, None, spacing)
+    dy, dx = one_spacing(None, spacing)
     return {"physical_sizes": (nx * dx / metres, ny * dy / metres)}
 
 

@@ -111,10 +111,10 @@ def test_a_map_larger_than_memory_is_read_in_parts(
 @pytest.mark.parametrize(
     ("attributes", "message"),
     [
-        ({"unit": None}, "no attribute unit; pass --unit"),
+        ({"unit": None}, "states no unit; pass --unit"),
         ({"unit": "parsec"}, "'parsec' is not a unit"),
-        ({"unit": 3.0}, "unit 3.0 is not a unit of length"),
-        ({"spacing": None}, "no attribute spacing; pass --spacing"),
+        ({"unit": 3.0}, "3.0 is not a unit of length"),
+        ({"spacing": None}, "states no pixel size; pass --spacing"),
         ({"spacing": [1e-6, -1e-6]}, "spacing is "),
         ({"spacing": [1e-6, np.nan]}, "spacing is "),
         ({"spacing": [1e-6, 1e-6, 1e-6]}, "spacing is "),

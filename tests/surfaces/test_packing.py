@@ -1,4 +1,4 @@
-"""Chunks packed and unpacked by threads: the library's format, its checksums, its empty places."""
+"""Chunks packed by threads: the library's format, its checksums, its empty places."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 import surfaces
 from surfaces.errors import FileFormatError
-from surfaces.files._packing import FILTERS, has_packed_chunks, unpacked
+from surfaces.files._packing import FILTERS
 
 SPACING = (2e-6, 3e-6)
 
@@ -29,34 +29,32 @@ def test_the_library_reads_what_threads_packed_and_the_reverse(tmp_path, dtype, 
             "heights", data=heights, chunks=file["heights"].chunks, **FILTERS
         )
         made.attrs.update(dict(file["heights"].attrs))
-        assert has_packed_chunks(made) and has_packed_chunks(file["heights"])
     for stored in (path, library):
         with surfaces.open(stored) as file:
             np.testing.assert_array_equal(file.heights(), heights.astype(np.float64))
             np.testing.assert_array_equal(file.heights((1, 3), (2, 4)), heights[1:3, 2:4])
 
 
-def test_chunks_of_ours_are_unpacked_without_the_library(tmp_path: Path) -> None:
-    surfaces.write_blocks(tmp_path / "b.h5", (300, 300), SPACING, [np.eye(300)])
-    with h5py.File(tmp_path / "b.h5") as file:
-        found = unpacked(file["heights"], (250, 256), (256, 300))
-        np.testing.assert_array_equal(found, np.eye(300)[250:256, 256:])
-
-
-def test_each_flipped_bit_of_a_chunk_is_told(tmp_path: Path) -> None:
+def test_each_flipped_bit_of_a_chunk_is_told_or_harmless(tmp_path: Path) -> None:
+    """Bits of codes that no height uses are harmless, and few."""
     path = tmp_path / "b.h5"
-    surfaces.write_blocks(path, (300, 300), SPACING, [np.eye(300)])
+    heights = np.random.default_rng(2).normal(size=(300, 300))
+    surfaces.write_blocks(path, (300, 300), SPACING, [heights])
     with h5py.File(path) as file:
         chunk = file["heights"].id.get_chunk_info_by_coord((256, 0))
-    content = path.read_bytes()
+    content, told = path.read_bytes(), 0
     for at in np.linspace(0, chunk.size - 1, 40).astype(int):
         damaged = bytearray(content)
         damaged[chunk.byte_offset + at] ^= 1
         path.write_bytes(damaged)
         with surfaces.open(path) as file:
-            np.testing.assert_array_equal(file.heights((0, 256)), np.eye(300)[:256])
-            with pytest.raises(FileFormatError, match="rows 256 to 300 of dataset /heights are da"):
-                file.heights()
+            np.testing.assert_array_equal(file.heights((0, 256)), heights[:256])
+            try:
+                np.testing.assert_array_equal(file.heights(), heights)
+            except FileFormatError as error:
+                assert "of dataset /heights are damaged" in str(error)
+                told += 1
+    assert told > 30
 
 
 def test_chunks_that_were_never_written_are_missing_points(tmp_path: Path) -> None:

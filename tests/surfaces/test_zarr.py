@@ -76,7 +76,7 @@ def test_a_group_holds_heights(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("attributes", "message"),
     [
-        ({"unit": None}, "no attribute unit; pass --unit"),
+        ({"unit": None}, "states no unit; pass --unit"),
         ({"spacing": [1e-6, -1.0]}, "spacing is "),
         ({"schema": "surface/9"}, "schema 'surface/9'"),
     ],
