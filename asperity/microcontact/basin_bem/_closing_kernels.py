@@ -18,9 +18,6 @@ MOST_SIDE_ELEMENTS = 64
 MOST_ELEMENTS = 700
 """Largest number of elements of one contact."""
 
-COPY_CHUNK = 16
-"""Influences copied at a time. The last copy may pass the end of a row: rows are longer by it."""
-
 MAX_GRADIENT_STEPS = 200
 """Most steps of conjugate gradients."""
 
@@ -32,94 +29,23 @@ OUTSIDE = -1
 
 
 @inner(fastmath=True)
-def _reset_rows(count, row, col, system):
-    """Mark all rows of the matrix as not made, and note where runs of adjoining elements end."""
-    _, made, ends = system
-    first = 0
-    for i in range(count):
-        made[i] = False
-        if i + 1 == count or row[i + 1] != row[first] or col[i + 1] - col[first] != i + 1 - first:
-            ends[first] = i + 1
-            first = i + 1
-
-
-@inner(fastmath=True)
 def _subtract_displacement(count, amounts, row, col, kernel, system, out):
     """Subtract G `amounts`, the displacements by these pressures, from `out`.
 
     Rows of G are made when they are first needed: elements that stay open need none.
     """
-    matrix, made, ends = system
+    matrix, made = system
     for i in range(count):
         amount = amounts[i]
         if amount == 0.0:
             continue
         line = matrix[i]
         if not made[i]:
-            made[i], last = True, 0
-            while last < count:  # one run of adjoining elements of a grid row after the other
-                first, last = last, ends[last]
-                begin, offsets = (
-                    MOST_SIDE_ELEMENTS + col[first] - col[i],
-                    kernel[abs(row[first] - row[i])],
-                )
-                for at in range(0, last - first, COPY_CHUNK):
-                    to, some = line[first + at :], offsets[begin + at :]
-                    for k in range(COPY_CHUNK):
-                        to[k] = some[k]
+            made[i] = True
+            for k in range(count):
+                line[k] = kernel[abs(row[k] - row[i]), MOST_SIDE_ELEMENTS + col[k] - col[i]]
         for k in range(count):
             out[k] -= amount * line[k]
-
-
-@inner(fastmath=True)
-def solve(count, row, col, overlap, kernel, tolerance, system, pressure, work):
-    """Pressures p >= 0 under overlaps h at no pressure: the minimum of p.G p / 2 - p.h.
-
-    Conjugate gradients on the closed elements (Polonsky & Keer 1999), from the pressures of a
-    paraboloid. Leaves the residual h - G p in the first row of `work`; `system` is scratch.
-    """
-    _reset_rows(count, row, col, system)
-    residual, direction, change, correction = work[0], work[1], work[2], work[3]
-    scale = 4.0 / math.pi * math.sqrt(2.0 * math.pi / count)
-    for i in range(count):
-        pressure[i] = scale * math.sqrt(max(2.0 * overlap[i] - 1.0, 0.0))
-        residual[i], direction[i] = overlap[i], 0.0
-    _subtract_displacement(count, pressure, row, col, kernel, system, residual)
-    before, fresh = 1.0, True
-    for _ in range(MAX_GRADIENT_STEPS):
-        total, error, square = 0.0, 0.0, 0.0
-        for i in range(count):
-            total += pressure[i] * overlap[i]
-            if pressure[i] > 0.0:
-                square += residual[i] * residual[i]
-                error += abs(residual[i]) * pressure[i]
-        if error <= tolerance * total:
-            break
-        share = np.float32(0.0 if fresh else square / before)
-        before = square
-        for i in range(count):
-            direction[i] = (
-                residual[i] + share * direction[i] if pressure[i] > 0.0 else np.float32(0.0)
-            )
-            change[i] = 0.0
-        _subtract_displacement(count, direction, row, col, kernel, system, change)
-        above, below = 0.0, 0.0
-        for i in range(count):
-            below -= change[i] * direction[i]
-            above += residual[i] * direction[i]
-        step, fresh = np.float32(above / below), False
-        for i in range(count):
-            correction[i] = 0.0  # change of the pressure besides the step along the direction
-            if pressure[i] > 0.0:
-                pressure[i] += step * direction[i]
-                if pressure[i] < 0.0:
-                    correction[i], pressure[i] = -pressure[i], np.float32(0.0)
-            elif residual[i] > 0.0:
-                pressure[i] = correction[i] = step * residual[i]
-                fresh = True
-        for i in range(count):
-            residual[i] += step * change[i]
-        _subtract_displacement(count, correction, row, col, kernel, system, residual)
 
 
 @inner(fastmath=True)
@@ -163,92 +89,90 @@ def _level(count, bound, pressure, residual):
 
 
 @inner(fastmath=True)
-def _is_free(pressure, over, bound):
-    """Whether an element is between the bounds, or leaves one: `over` is its residual above the
-    level."""
-    return (pressure > 0.0 or over > 0.0) and (pressure < bound or over < 0.0)
+def _start(count, overlap, load, bound, pressure):
+    """Pressures of a paraboloid; under a load cut at the bound, and scaled to the load."""
+    scale, lift = 4.0 / math.pi * math.sqrt(2.0 * math.pi / count), 1.0
+    if load > 0.0:
+        low, high, lift = 0.0, 2.0 * max(bound, load), 0.0
+        for _ in range(40):
+            scale, total = 0.5 * (low + high), 0.0
+            for i in range(count):
+                total += min(scale * math.sqrt(max(overlap[i], 0.0)), bound)
+            if total < load:
+                low = scale
+            else:
+                high = scale
+    for i in range(count):
+        pressure[i] = min(scale * math.sqrt(max((1.0 + lift) * overlap[i] - lift, 0.0)), bound)
 
 
 @inner(fastmath=True)
-def bear(count, row, col, overlap, kernel, load, bound, tolerance, system, pressure, work):
-    """Pressures 0 <= p <= bound whose sum is the `load`: the minimum of p.G p / 2 - p.h.
+def solve(count, row, col, overlap, kernel, load, bound, tolerance, system, pressure, work):
+    """Pressures 0 <= p <= bound under overlaps h: the minimum of p.G p / 2 - p.h, at the sum `load`
+    of the pressures or, if that is zero, whatever their sum.
 
-    Conjugate gradients on the elements between the bounds, and on those that leave a bound
-    (Polonsky & Keer 1999; upper bound: Tian & Bhushan 1996). Returns the `_level` of the residual
-    h - G p, and leaves the residual less this level in the first row of `work`. `system` is
-    scratch.
+    Conjugate gradients on the elements between the bounds (Polonsky & Keer 1999; upper bound: Tian
+    & Bhushan 1996), from the pressures of a paraboloid. Returns the `_level` of the residual h - G
+    p under a load, else 0, and leaves the residual less this level in the first row of `work`.
+    `system` is scratch.
     """
-    _reset_rows(count, row, col, system)
+    system[1][:count] = False
     residual, direction, change, correction = work[0], work[1], work[2], work[3]
-    low, high = 0.0, 2.0 * max(bound, load)
+    _start(count, overlap, load, bound, pressure)
     for i in range(count):
-        direction[i] = 0.0
-    for _ in range(40):  # pressures of a paraboloid, cut at the bound
-        scale, total = 0.5 * (low + high), 0.0
-        for i in range(count):
-            total += min(scale * math.sqrt(max(overlap[i], 0.0)), bound)
-        if total < load:
-            low = scale
-        else:
-            high = scale
-    for i in range(count):
-        pressure[i] = min(high * math.sqrt(max(overlap[i], 0.0)), bound)
-        residual[i] = overlap[i]
+        residual[i], direction[i] = overlap[i], 0.0
     _subtract_displacement(count, pressure, row, col, kernel, system, residual)
-    before, fresh = np.float32(1.0), True
-    level = np.float32(0.0)
+    before, fresh, level = 1.0, True, np.float32(0.0)
     for _ in range(MAX_GRADIENT_STEPS):
-        level = _level(count, bound, pressure, residual)
-        error, total, square, mean, free = 0.0, 0.0, 0.0, 0.0, 0
+        if load > 0.0:
+            level = _level(count, bound, pressure, residual)
+        total, error, square, mean, free = 0.0, 0.0, 0.0, 0.0, 0
         for i in range(count):
             over = residual[i] - level
             total += pressure[i] * overlap[i]
-            error += (bound - pressure[i]) * over if over > 0.0 else -pressure[i] * over
-            if _is_free(pressure[i], over, bound):
+            if 0.0 < pressure[i] < bound:
                 square += over * over
                 free += 1
-        if error <= tolerance * total or free == 0:
+            if over < 0.0 or load <= 0.0:
+                error += abs(over) * pressure[i]
+            else:
+                error += (bound - pressure[i]) * over
+        if error <= tolerance * total:
             break
         share = np.float32(0.0 if fresh else square / before)
-        before = np.float32(square)
+        before = square
         for i in range(count):
+            inside = 0.0 < pressure[i] < bound
             over = residual[i] - level
-            direction[i] = (
-                over + share * direction[i]
-                if _is_free(pressure[i], over, bound)
-                else np.float32(0.0)
-            )
+            direction[i] = over + share * direction[i] if inside else np.float32(0.0)
             mean += direction[i]
-        mean /= free
+            change[i] = 0.0
+        mean = np.float32(mean / max(free, 1) if load > 0.0 else 0.0)
         above, below = 0.0, 0.0
         for i in range(count):
-            over = residual[i] - level
-            if _is_free(pressure[i], over, bound):
-                direction[i] -= np.float32(mean)
-                above += over * direction[i]
-            change[i] = 0.0
+            if 0.0 < pressure[i] < bound:
+                direction[i] -= mean
+                above += (residual[i] - level) * direction[i]
         _subtract_displacement(count, direction, row, col, kernel, system, change)
         for i in range(count):
             below -= change[i] * direction[i]
-        if not below > 0.0:
-            if fresh:
-                break
-            fresh = True
-            continue
-        step, fresh = np.float32(above / below), False
+        step = np.float32(above / below) if below > 0.0 else np.float32(1.0)
+        fresh = not below > 0.0
         for i in range(count):
             correction[i] = pressure[i]
-            wanted = pressure[i] + step * direction[i]
+            over = residual[i] - level
+            inside = 0.0 < pressure[i] < bound
+            leaves = (pressure[i] <= 0.0 and over > 0.0) or (pressure[i] >= bound and over < 0.0)
+            wanted = pressure[i] + step * (over if leaves else direction[i])
             pressure[i] = min(max(wanted, np.float32(0.0)), bound)
-            if pressure[i] != wanted or (correction[i] <= 0.0 and pressure[i] > 0.0):
-                fresh = True
             correction[i] += step * direction[i]
+            fresh = fresh or leaves
             residual[i] += step * change[i]
-        if fresh:
+        if load > 0.0:
             _restore(count, load, bound, pressure)
-            for i in range(count):
-                correction[i] = pressure[i] - correction[i]
-            _subtract_displacement(count, correction, row, col, kernel, system, residual)
+        for i in range(count):
+            correction[i] = pressure[i] - correction[i]
+        _subtract_displacement(count, correction, row, col, kernel, system, residual)
     for i in range(count):
         residual[i] -= level
     return level

@@ -9,7 +9,7 @@ import numpy as np
 from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import expand
 
-from ._closing_kernels import MOST_ELEMENTS, MOST_SIDE_ELEMENTS, OUTSIDE, bear, contact_size, solve
+from ._closing_kernels import MOST_ELEMENTS, MOST_SIDE_ELEMENTS, OUTSIDE, contact_size, solve
 
 ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
@@ -281,7 +281,10 @@ def press_levels(
             break
         if total < 4:
             continue
-        solve(total, row, col, overlap, kernels[kind], tolerance, system, closed, work)
+        solve(
+            total, row, col, overlap, kernels[kind], np.float32(0.0), np.float32(np.inf), tolerance,
+            system, closed, work,
+        )  # fmt: skip
         force, y, x = 0.0, 0.0, 0.0
         for k in range(total):
             u, v = u0 + col[k] * hu, v0 + row[k] * hv
@@ -334,7 +337,7 @@ def areas_under_load(
             if total < 4 or load > 0.99 * total * bound:
                 depth *= 1.5
                 continue
-            level = bear(
+            level = solve(
                 total, row, col, overlap, kernels[kind], np.float32(load), bound, tolerance,
                 system, closed, work,
             )  # fmt: skip

@@ -137,7 +137,7 @@ def _scene(summits: Summits, row: Rows, col: Rows) -> tuple[tuple[Any, ...], tup
 
 def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
     """Working arrays of `press_levels`: for the window on the map, the grid and its elements."""
-    from ._closing_kernels import COPY_CHUNK, MOST_ELEMENTS, MOST_SIDE_ELEMENTS
+    from ._closing_kernels import MOST_ELEMENTS, MOST_SIDE_ELEMENTS
     from ._element_kernels import HALF_WINDOW
 
     mark, grid = np.empty((2 * HALF_WINDOW + 1,) * 2, np.int32), MOST_SIDE_ELEMENTS**2
@@ -146,9 +146,8 @@ def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
         (np.empty(grid), np.empty(grid, np.int8), *np.empty((2, grid), np.int64), np.empty(4)),
         (
             (
-                np.empty((MOST_ELEMENTS, MOST_ELEMENTS + COPY_CHUNK), np.float32),
+                np.empty((MOST_ELEMENTS, MOST_ELEMENTS), np.float32),
                 np.empty(MOST_ELEMENTS, bool),
-                np.empty(MOST_ELEMENTS, np.int64),
             ),
             *np.empty((2, MOST_ELEMENTS), np.float32), np.empty((4, MOST_ELEMENTS), np.float32),
             *np.empty((2, MOST_ELEMENTS), np.int64),
@@ -159,12 +158,10 @@ def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
 @lru_cache(maxsize=4)
 def _kernels(m: float) -> NDArray[np.float32]:
     """Influences of an element of unit area at offsets (row, column), for each of `ASPECTS`."""
-    from ._closing_kernels import COPY_CHUNK, MOST_SIDE_ELEMENTS
+    from ._closing_kernels import MOST_SIDE_ELEMENTS
     from ._element_kernels import ASPECTS
 
-    out = np.zeros(
-        (len(ASPECTS), MOST_SIDE_ELEMENTS, 2 * MOST_SIDE_ELEMENTS + COPY_CHUNK), np.float32
-    )
+    out = np.zeros((len(ASPECTS), MOST_SIDE_ELEMENTS, 2 * MOST_SIDE_ELEMENTS), np.float32)
     for kernel, aspect in zip(out, ASPECTS, strict=True):
         right = near_influence(
             (MOST_SIDE_ELEMENTS, MOST_SIDE_ELEMENTS), (aspect**-0.5, aspect**0.5), m
