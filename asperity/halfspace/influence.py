@@ -52,17 +52,17 @@ def compliance(spacing: tuple[float, float], material: HalfSpace) -> float:
 def symbol_quadrant(
     shape: tuple[int, int], spacing: tuple[float, float], power: float, factor: float
 ) -> NDArray[np.float64]:
-    """Factor times |q|**power at frequencies from zero on, shape (ny//2+1, nx//2+1), zero at q = 0.
-
-    Compiled: its temporaries would take longer than the arithmetic.
-    """
+    """Factor times |q|**power at frequencies from zero on, shape (ny//2+1, nx//2+1); 0 at q = 0."""
     pixel = math.sqrt(spacing[0] * spacing[1])
     squares = [
         np.square(2.0 * np.pi * pixel / step * np.arange(n // 2 + 1) / n)
         for n, step in zip(shape, spacing, strict=True)
     ]
-    values = np.empty((squares[0].size, squares[1].size))
-    by_rows(_powers, values.shape, *squares, 0.5 * power, factor, values)
+    values = np.add.outer(*squares)
+    values[0, 0] = 1.0
+    np.sqrt(values, out=values)
+    values **= power
+    values *= factor
     values[0, 0] = 0.0
     return values
 
@@ -150,21 +150,6 @@ def _corner(x: NDArray[np.float64], y: NDArray[np.float64], m: float) -> NDArray
     along_x = x ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((y / x) ** 2))
     along_y = y ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((x / y) ** 2))
     return np.asarray(x * y / (1.0 - m) * (along_x + along_y))
-
-
-@compiled()
-def _powers(
-    rows: tuple[int, int], ky: Grid, kx: Grid, power: float, factor: float, result: Grid
-) -> None:
-    """Factor times (ky + kx)**power on rows of the grid of both."""
-    for y in range(rows[0], rows[1]):
-        row = result[y]
-        if power == -0.5:
-            for x in range(kx.size):
-                row[x] = factor / np.sqrt(max(ky[y] + kx[x], 1e-300))
-        else:
-            for x in range(kx.size):
-                row[x] = factor * max(ky[y] + kx[x], 1e-300) ** power
 
 
 @compiled()

@@ -37,9 +37,6 @@ CELLS = 24
 MOST_UNEVEN = 1.0
 """Largest sum (n - 1) e_n^2 that the correction of the stiffness uses."""
 
-_BLOCK = 5
-"""Number of values of the edge operator summed at a time: a divisor of `CELLS` + 1."""
-
 
 @inner(fastmath=QUOTIENTS)
 def _ray_radius(shape, cx, cy):
@@ -132,17 +129,11 @@ def _planform(radius, weight, direction, rays, m, punch, out, place_):
 @inner(fastmath=QUOTIENTS)
 def _operator(q, first, nodes, weights, unit, out):
     """Edge operator at the ends of the cells of a ray with nodes q[first : first + nodes]."""
-    for block in range(0, CELLS + 1, _BLOCK):
-        s0, s1, s2, s3, s4 = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    for j in range(CELLS + 1):
+        total = splat(0.0)
         for k in range(nodes):
-            value = load(q, first + k)
-            s0 += weights[k, block] * value
-            s1 += weights[k, block + 1] * value
-            s2 += weights[k, block + 2] * value
-            s3 += weights[k, block + 3] * value
-            s4 += weights[k, block + 4] * value
-        for j, s in enumerate((s0, s1, s2, s3, s4)):
-            store(out, block + j, most(s, splat(0.0)) * (unit * (1.0 * (block + j) ** 2)))
+            total += weights[k, j] * load(q, first + k)
+        store(out, j, most(total, splat(0.0)) * (unit * (1.0 * j**2)))
 
 
 @inner(fastmath=QUOTIENTS)

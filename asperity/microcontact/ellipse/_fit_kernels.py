@@ -159,17 +159,13 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs):
         store(coefs, i, splat(0.0))
     for c in range(4):
         for k in range(count[c]):
-            s0, s1, s2, s3, s4 = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-            for n in range(points):
-                weight, at = matrices[number, c, k, n], (c * points + n) * NESTED_FITS
-                s0 += weight * load(part, at)
-                s1 += weight * load(part, at + 1)
-                s2 += weight * load(part, at + 2)
-                s3 += weight * load(part, at + 3)
-                s4 += weight * load(part, at + 4)
             r, i, j = members[c, k, 0], members[c, k, 1], members[c, k, 2]
             unit = load(power, i) * load(power, DEGREE + 1 + j)
-            for s, found in enumerate((s0, s1, s2, s3, s4)):
+            for s in range(NESTED_FITS):
+                found = splat(0.0)
+                for n in range(points):
+                    at = (c * points + n) * NESTED_FITS + s
+                    found += matrices[number, c, k, n] * load(part, at)
                 store(coefs, s * TERMS + r, found * unit * (1 / radii[rings[s, 0]] ** (i + j)))
 
 
