@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import Flag, InputError
 from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.transforms import moment_weights
-from surfaces.numerics import parallel
 
 from .law_table import LawTable
 
@@ -95,64 +93,16 @@ def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
     k1, k2 = profiles.curvature[:, 0], profiles.curvature[:, 1]
     valid = np.isfinite(k1) & (k2 > 0) & np.all(profiles.edge > 0, axis=1)
     k1, k2 = np.where(valid, k1, 1.0), np.where(valid, k2, 1.0)
-    p, g = 3 + material.m, np.sqrt(k1 * k2)
-    log_force, log_minor, log_major = _unit_curve(material.m)(_log_ratio(k1 / k2, material.m)).T
-    minor, major = np.exp(log_minor) / np.sqrt(g), np.exp(log_major) / np.sqrt(g)
+    p, one = 3 + material.m, elliptic_contact(k1, k2, 1.0, material)  # axes grow as u, force as u^p
     basin = 0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1)
-    reach = np.where(valid, basin / (np.pi * minor * major), 0.0)
-    unit = material.modulus * np.exp(log_force) * g ** (-(1 + material.m) / 2)
+    reach = np.where(valid, basin / (np.pi * one.semi_minor * one.semi_major), 0.0)
     u = np.linspace(0.0, 1.0, _INTERVALS + 1)
     area = np.where(valid, basin, 0.0)[:, None] * u**2
-    force = (unit * reach ** (p / 2))[:, None] * u**p
-    stiffness = (unit * p / 2 * reach ** (p / 2 - 1))[:, None] * u ** (p - 2)
+    force = (one.force * reach ** (p / 2))[:, None] * u**p
+    stiffness = (one.force * p / 2 * reach ** (p / 2 - 1))[:, None] * u ** (p - 2)
     flags = np.zeros(force.shape, dtype=np.uint8)
     flags[valid, -1] = Flag.FILLED
-    axes = np.stack([minor, major], axis=1) * np.sqrt(reach)[:, None]
-    spread = _spread(profiles, material.m, u, reach, axes)
-    return LawTable(reach, force, stiffness, area, flags, spread, p)
-
-
-def _spread(profiles: Profiles, m: float, u: Array, reach: Array, axes: Array) -> Array:
-    """Relative change of the force by the rest of the profile, to first order.
-
-    The punch functional k (d - <f>) is stationary in the ellipse, so that the change is -k times
-    the mean of the rest of f under the flat punch.
-    """
-    out = np.zeros((reach.size, u.size))
-    weights = moment_weights(m, profiles.t.size).T
-
-    def part(begin: int, end: int) -> None:
-        rows = begin + np.flatnonzero(reach[begin:end] > 0)
-        out[rows] = _mean_excess(profiles, rows, axes[rows], weights, m, u)
-
-    parallel.run(part, parallel.blocks(reach.size, 64))
-    return np.asarray((3 + m) / 2 * np.abs(out) / np.where(reach > 0, reach, 1.0)[:, None])
-
-
-def _mean_excess(
-    profiles: Profiles, rows: NDArray[np.int64], axes: Array, weights: Array, m: float, u: Array
-) -> Array:
-    """Mean of f minus the paraboloid under elliptic punches of semi-axes `axes` times u, over u^2.
-
-    `weights` make the moments h of a ray at equispaced fractions of it; the mean is
-    (1 + m) sum w a^4 h / sum w a^2. Beyond its edge a ray keeps its last moment.
-    """
-    q, weight, (k1, k2) = profiles.q[rows], profiles.weight[rows], profiles.curvature[rows].T
-    moment, bend = q @ weights, k1 - k2
-    turned = np.where(bend > 1e-9 * k1, bend, np.inf)[:, None]
-    along = np.clip((k1[:, None] - 2 * q[:, :, 0]) / turned, 0.0, 1.0)
-    along[np.isinf(turned[:, 0])] = 0.5
-    minor, major = axes.T[:, :, None] ** 2
-    square = 1 / (along / major + (1 - along) / minor)
-    last = moment.shape[2] - 1
-    place = np.minimum(
-        np.sqrt(square)[:, :, None] / profiles.edge[rows][:, :, None] * last * u, last
-    )
-    low = np.minimum(place.astype(np.int64), last - 1)
-    below, above = (np.take_along_axis(moment, low + k, axis=2) for k in (0, 1))
-    excess = below + (place - low) * (above - below) - moment[:, :, :1]
-    total = np.einsum("np,npj->nj", weight * square**2, excess)
-    return np.asarray((1 + m) * total / np.sum(weight * square, axis=1)[:, None])
+    return LawTable(reach, force, stiffness, area, flags, np.full(force.shape, np.nan), p)
 
 
 @lru_cache(maxsize=16)
@@ -163,18 +113,6 @@ def _aspect_curve(m: float) -> CubicSpline:
     log_beta = np.linspace(np.log(1e-5), 0.0, 400)
     _, along, across = _integrals(np.exp(log_beta), m)
     return CubicSpline(-np.log(across / along), log_beta)
-
-
-@lru_cache(maxsize=16)
-def _unit_curve(m: float) -> CubicSpline:
-    """Logarithms of force and semi-axes over that of the curvature ratio, for k1 k2 = d = E = 1."""
-    from scipy.interpolate import CubicSpline
-
-    ratio = np.linspace(0.0, -_aspect_curve(m).x[0], 600)
-    root = np.exp(ratio / 2)
-    contact = elliptic_contact(root, 1 / root, 1.0, HalfSpace.from_modulus(1.0, m))
-    values = [contact.force, contact.semi_minor, contact.semi_major]
-    return CubicSpline(ratio, np.log(np.stack(values, axis=1)))
 
 
 def _log_ratio(ratio: Array, m: float) -> Array:

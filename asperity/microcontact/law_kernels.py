@@ -38,7 +38,6 @@ __all__ = [
     "MOMENT_SLOPE",
     "NODE_COLUMNS",
     "TIP_COLUMNS",
-    "convex",
     "empty_columns",
     "evaluate",
     "tabulate",
@@ -322,26 +321,3 @@ def empty_columns(
     shapes = (count, intervals + 1, NODE_COLUMNS), (count, TIP_COLUMNS)
     table, tips = (zeros(shape, np.float64, stored) for shape in shapes)
     return table, tips
-
-
-@compiled()
-def convex(place, force):
-    """Replace each row of `force` by its lower convex hull over `place` (Andrew 1979)."""
-    nodes = place.size
-    stack = np.empty(nodes, np.int64)
-    for row in force:
-        top = 0
-        for j in range(nodes):
-            while top >= 2:
-                a, b = stack[top - 2], stack[top - 1]
-                lower = (row[b] - row[a]) * (place[j] - place[b])
-                if lower < (row[j] - row[b]) * (place[b] - place[a]):
-                    break
-                top -= 1
-            stack[top] = j
-            top += 1
-        for k in range(top - 1):
-            a, b = stack[k], stack[k + 1]
-            for j in range(a + 1, b):
-                t = (place[j] - place[a]) / (place[b] - place[a])
-                row[j] = (1.0 - t) * row[a] + t * row[b]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -14,7 +14,7 @@ from asperity.errors import InputError
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import zeros
 
-__all__ = ["INTERVALS", "LawTable", "LazyTable", "joined"]
+__all__ = ["INTERVALS", "LawTable", "LazyTable"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -27,9 +27,6 @@ ROWS_TOGETHER = 4096
 
 MAPPED_LAWS = 2**14
 """Number of laws on disk whose pages are in memory together."""
-
-OF_NODES = "force", "stiffness", "area", "bearing"
-"""Columns that only the maker of the solver's tables reads (`newton.laws`), not the load points."""
 
 NO_FOOTPRINT = 0.0, 1.0
 """Factor and exponent of the variance of a point force (`law_kernels.tabulate`)."""
@@ -179,9 +176,6 @@ class LazyTable:
         Number n of contacts.
     make
         Function of some rows that makes their law table, in that order.
-    whole
-        Whether all columns are kept. If not, the columns `OF_NODES`, which the solver keeps in
-        its own form, come from `blocks` alone, which makes them anew each time.
     near
         Function of some rows that gives an order in which neighbors on the map follow each other;
         None leaves the order as it is.
@@ -205,18 +199,17 @@ class LazyTable:
         count: int,
         make: Callable[[Rows], LawTable],
         *,
-        whole: bool = False,
         near: Callable[[Rows], Rows] | None = None,
         stored: bool = False,
     ) -> None:
-        self.make, self.whole, self.near, self.stored = make, whole, near, stored
+        self.make, self.near, self.stored = make, near, stored
         self.ready, self.place = np.zeros(count, bool), np.zeros(count, np.int64)
         self.held = LawTable.empty(1, 2)
 
     @classmethod
     def of(cls, table: LawTable) -> LazyTable:
         """A lazy table whose laws, those of `table`, are all made."""
-        lazy = cls(len(table), table.rows, whole=True)
+        lazy = cls(len(table), table.rows)
         lazy.place[:], lazy.ready[:] = np.arange(len(table)), True
         lazy.held = table.rows(lazy.place)
         return lazy
@@ -232,10 +225,10 @@ class LazyTable:
         """The laws of some contacts, `ROWS_TOGETHER` at a time."""
         for start in range(0, rows.size, ROWS_TOGETHER):
             part = rows[start : start + ROWS_TOGETHER]
-            yield part, self._laws(part)
+            yield part, self.laws(part)
 
-    def _laws(self, rows: Rows) -> LawTable:
-        missing = rows[~self.ready[rows]] if self.whole else rows
+    def laws(self, rows: Rows) -> LawTable:
+        missing = rows[~self.ready[rows]]
         if missing.size:
             block = self.make(missing)
             self._hold(missing, block)
@@ -250,8 +243,6 @@ class LazyTable:
             rooms = {name: (len(self) + 1, *values.shape[1:]) for name, values in given.items()}
             kept: dict[str, Any] = {
                 name: zeros(room, given[name].dtype, self.stored and len(room) > 1)
-                if self._keeps(name)
-                else np.broadcast_to(np.nan, room)
                 for name, room in rooms.items()
             }
             self.held = replace(block, **kept)
@@ -260,12 +251,7 @@ class LazyTable:
         self.place[rows[new]] = np.arange(made + 1, last)
         self.ready[rows] = True
         for name, values in self.held.columns.items():
-            if self._keeps(name):
-                values[made + 1 : last] = given[name][new]
-
-    def _keeps(self, name: str) -> bool:
-        """Whether a column is kept."""
-        return self.whole or name not in OF_NODES
+            values[made + 1 : last] = given[name][new]
 
     @property
     def hardness(self) -> float:
@@ -336,14 +322,3 @@ def _between(pairs: Array, rows: Rows, node: Array) -> Array:
 def _at_or_above(values: NDArray[Any], rows: Rows, node: Array) -> NDArray[Any]:
     """Values at the nodes (n, K + 1), each of the node at or above, shape (n,)."""
     return np.asarray(values[rows, np.ceil(node).astype(np.int64)])
-
-
-def joined(tables: Sequence[LawTable]) -> LawTable:
-    """One table with the rows of several tables of one law."""
-    if len(tables) == 1:
-        return tables[0]
-    columns: dict[str, Any] = {
-        name: np.concatenate([getattr(table, name) for table in tables])
-        for name in tables[0].columns
-    }
-    return replace(tables[0], **columns)

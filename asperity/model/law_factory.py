@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.microcontact.capped_table import capped_table
-from asperity.microcontact.law_table import LawTable, LazyTable, joined
+from asperity.microcontact.law_table import LawTable, LazyTable
 from asperity.microcontact.laws import elastic_table
 from surfaces.numerics.stored_array import StoredArray
 
@@ -61,7 +61,7 @@ class LawFactory:
         self.material, self.law, self.parameters = material, law, parameters
         self.seconds = seconds
         self.without: set[int] = set()
-        self._elastic = self._table(self._without_hardness, material.hardness < math.inf)
+        self._elastic = self._table(self._without_hardness)
 
     def of_hardness(self, material: HalfSpace, seconds: dict[str, float]) -> LawFactory:
         """A factory for another hardness, which shares the elastic laws of this one."""
@@ -75,14 +75,14 @@ class LawFactory:
             return self._elastic
         return self._table(self._with_hardness)
 
-    def _table(self, make: Callable[[Rows], LawTable], whole: bool = False) -> LazyTable:
+    def _table(self, make: Callable[[Rows], LawTable]) -> LazyTable:
         """A lazy table of all summits, on disk if their map is."""
         summits, stored = self.summits, isinstance(self.summits.hm.source, StoredArray)
-        return LazyTable(len(summits), make, whole=whole, near=summits.near, stored=stored)
+        return LazyTable(len(summits), make, near=summits.near, stored=stored)
 
     def _with_hardness(self, rows: Rows) -> LawTable:
         """Laws of the summits `rows`, in that order, capped by the hardness of the material."""
-        elastic = joined([block for _, block in self._elastic.blocks(rows)])
+        elastic = self._elastic.laws(rows)
         begun = time.perf_counter()
         table = capped_table(elastic, self.material)
         self.seconds["laws"] += time.perf_counter() - begun

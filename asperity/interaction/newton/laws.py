@@ -250,6 +250,8 @@ def _sound(
     cap: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Nodal forces and stiffnesses of elastic laws, changed so that both grow (`Laws`)."""
+    from scipy.optimize import isotonic_regression
+
     steps = force.shape[1] - 1
     slack = 1e-6 * stiffness[:, -1:]
     broken = (np.diff(stiffness, axis=1) < -slack).any(axis=1)
@@ -257,11 +259,12 @@ def _sound(
     broken |= (stiffness > cap[:, None]).any(axis=1)
     u2 = _shares(steps)
     force, stiffness = force.copy(), stiffness.copy()
-    hull = _rising(force[broken], u2)
-    hull[:, 0] = 0.0
-    law_kernels.convex(u2, hull)
-    depth = reach[broken, None] * np.diff(u2)
-    secant = np.minimum(np.diff(hull, axis=1) / depth, cap[broken, None])
+    raised, step = _rising(force[broken], u2), np.diff(u2)
+    raised[:, 0] = 0.0
+    # the slopes of the largest convex minorant are the isotonic regression of the secants
+    slopes = [isotonic_regression(s, weights=step).x for s in np.diff(raised, axis=1) / step]
+    depth = reach[broken, None] * step
+    secant = np.minimum(np.reshape(slopes, depth.shape) / reach[broken, None], cap[broken, None])
     force[broken, 1:] = np.cumsum(secant * depth, axis=1)
     force[broken, 0] = 0.0
     above = np.concatenate((secant, secant[:, -1:]), axis=1)
