@@ -75,21 +75,19 @@ ALIGNMENT = 64
 """Bytes of a cache line."""
 
 
-def loader(width: int, grouped: bool = False, element: Any = None) -> Any:
+def loader(width: int, grouped: bool = False) -> Any:
     """load(array, place): vector of `width` elements of a contiguous array from a place on.
 
-    If `grouped`, places count groups of `width` elements; so for the functions below. In the
-    precision of the array, or that of the numba type `element`.
+    If `grouped`, places count groups of `width` elements; so for the functions below.
     """
 
     @intrinsic
     def load(typing: Any, array: Any, place: Any) -> Any:
-        held, kind = vector_of(array.dtype, width), vector_of(element or array.dtype, width)
+        kind = vector_of(array.dtype, width)
 
         def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             data = data_of(context, builder, sig.args[0], args[0])
-            found = read(builder, data, place_of(builder, args[1], width, grouped), held.code)
-            return fitted(builder, found, kind.element)
+            return read(builder, data, place_of(builder, args[1], width, grouped), kind.code)
 
         return kind(array, types.intp), code
 

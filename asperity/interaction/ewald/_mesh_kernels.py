@@ -6,6 +6,8 @@ the lines int(p) to int(p) + 3, modulo the size of the mesh.
 Smooth part of the sum in `Interaction`: sources (1 + m_i/2 Laplacian) F_i delta(r - r_i) by
 B-spline weights, their convolution, and the gather with the same weights
 (docs/development/interaction.md, "Sum over pairs").
+
+Lines and columns are unsigned: a signed index is compiled with a count from the end.
 """
 
 from __future__ import annotations
@@ -13,21 +15,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import carray, njit
 
 from surfaces.numerics.compiled import SUMS, compiled, inner
 
-from ._mesh_vector_kernels import add_moved, add_spread, add_stored, read, read_stored, set_stored
-from ._pair_block_kernels import VARIANCE_CAP, doubles, floats
-
-NODES, SIZE = np.uint64(4), np.uint64(16)
-# lines of a patch on its own
-PATCH = (np.uint64(0), np.uint64(4), np.uint64(8), np.uint64(12))
+from ._pair_block_kernels import VARIANCE_CAP
 
 
 @inner()
 def _lines(first, count):
-    """Four lines of the mesh from the first on."""
+    """Four of the `count` lines or columns of the mesh from the first on, round the seam."""
     a = np.uint64(first)
     last = np.uint64(count)
     b = a + np.uint64(1) if a + np.uint64(1) < last else a + np.uint64(1) - last
@@ -36,83 +32,81 @@ def _lines(first, count):
     return a, b, c, d
 
 
-@inner()
-def _places(lines, first, width):
-    """First of the four nodes from line `first` across on, on each of the lines."""
-    a, b, c, d = lines
-    return a * width + first, b * width + first, c * width + first, d * width + first
-
-
-@njit(inline="always")
+@inner(fastmath=SUMS, forceinline=True)
 def _at(py, px):
-    """First line and column about a point, and its shares of a step."""
+    """First line and column about a point, and its shares of a step behind the second ones."""
     iy, ix = int(py), int(px)
-    return np.uint64(iy), np.uint64(ix), (py - iy, px - ix)
+    return iy, ix, py - iy, px - ix
 
 
-@njit(inline="always")
-def _add_patch(mesh, lines, first, patch):
-    """Add a patch of 4 by 4 nodes that reaches over the seam."""
-    columns = _lines(first, mesh.shape[1])
-    for a in range(4):
-        for b in range(4):
-            mesh[lines[a], columns[b]] += patch[4 * a + b]
-
-
-@njit(inline="always")
-def _copy_patch(mesh, lines, first, patch):
-    """Copy 4 by 4 nodes that lie about the seam."""
-    columns = _lines(first, mesh.shape[1])
-    for a in range(4):
-        for b in range(4):
-            patch[4 * a + b] = mesh[lines[a], columns[b]]
+@inner(fastmath=SUMS, forceinline=True)
+def _cubic(t):
+    """Cubic B-spline w at the four nodes about a point, a share t of a step behind the second, its
+    slopes w' and its bends w'' by the place of the point [steps]."""
+    s = 1.0 - t
+    value = (
+        s * s * s / 6,
+        (4 + t * t * (3 * t - 6)) / 6,
+        (4 + s * s * (3 * s - 6)) / 6,
+        t * t * t / 6,
+    )
+    slope = -0.5 * s * s, t * (1.5 * t - 2), s * (2 - 1.5 * s), 0.5 * t * t
+    bend = s, 3 * t - 2, 1 - 3 * t, t
+    return value, slope, bend
 
 
 @compiled(fastmath=SUMS)
 def deposit(y, x, force, variance, dipole, per_step, masses, aside):
     """Spread sources on the meshes `masses` and `aside` (my, mx).
 
-    First mesh: forces with half their variance, up to `VARIANCE_CAP`, times the Laplacian; second
-    mesh: forces times shifts `dipole` (n, 2).
+    First mesh: forces with half their variance, up to `VARIANCE_CAP`, times the Laplacian,
+    f [(w + half_y w'') w + w half_x w''] along y and x; second mesh: forces times shifts `dipole`
+    (n, 2), shift_y w' w + shift_x w w'.
     """
     masses[:] = 0.0
     aside[:] = 0.0
-    patch = carray(doubles(), (16,))
-    other = carray(floats(), (16,))
     my, mx = masses.shape
-    width = np.uint64(mx)
     ny, nx = per_step
     for i in range(np.uint64(y.size)):
         f = force[i]
         if f == 0.0:
             continue
-        iy, ix, at = _at(y[i] * ny, x[i] * nx)
-        lines = _lines(iy, my)
+        iy, ix, ty, tx = _at(y[i] * ny, x[i] * nx)
+        lines, columns = _lines(iy, my), _lines(ix, mx)
+        along, steep, bent = _cubic(ty)
+        across, slope, bend = _cubic(tx)
         half = 0.5 * min(variance[i], VARIANCE_CAP)
-        spread = (half * ny * ny, half * nx * nx)
-        shifted = (dipole[i, 0] * ny, dipole[i, 1] * nx)
-        if ix + NODES <= width:
-            places = _places(lines, ix, width)
-            add_spread(masses, places, at, spread, f)
-            add_moved(aside, places, at, shifted)
-            continue
-        patch[:] = 0.0
-        add_spread(patch, PATCH, at, spread, f)
-        _add_patch(masses, lines, ix, patch)
-        other[:] = 0.0
-        add_moved(other, PATCH, at, shifted)
-        _add_patch(aside, lines, ix, other)
+        half_y, half_x = half * ny * ny, half * nx * nx
+        shift_y, shift_x = dipole[i, 0] * ny, dipole[i, 1] * nx
+        for a in range(4):
+            spread_y, spread_x = f * (along[a] + half_y * bent[a]), f * half_x * along[a]
+            moved_y, moved_x = shift_y * steep[a], shift_x * along[a]
+            for b in range(4):
+                masses[lines[a], columns[b]] += spread_y * across[b] + spread_x * bend[b]
+                aside[lines[a], columns[b]] += moved_y * across[b] + moved_x * slope[b]
 
 
-@njit(inline="always")
-def _read(mesh, iy, ix, at, patch):
-    """`read` about a point of a mesh that repeats; `patch` is scratch."""
-    lines = _lines(iy, mesh.shape[0])
-    width = np.uint64(mesh.shape[1])
-    if ix + NODES <= width:
-        return read(mesh, _places(lines, ix, width), at)
-    _copy_patch(mesh, lines, ix, patch)
-    return read(patch, PATCH, at)
+@inner(fastmath=SUMS, forceinline=True)
+def _read(mesh, iy, ix, ty, tx):
+    """Value of the spline at the point, its slopes by y and x, and its second slopes [1/steps]."""
+    my, mx = mesh.shape
+    lines, columns = _lines(iy, my), _lines(ix, mx)
+    value_y, slope_y, bend_y = _cubic(ty)
+    value_x, slope_x, bend_x = _cubic(tx)
+    level, along, across, bent, curved = 0.0, 0.0, 0.0, 0.0, 0.0
+    for a in range(4):
+        value, slope, bend = 0.0, 0.0, 0.0
+        for b in range(4):
+            node = mesh[lines[a], columns[b]]
+            value += value_x[b] * node
+            slope += slope_x[b] * node
+            bend += bend_x[b] * node
+        level += value_y[a] * value
+        along += slope_y[a] * value
+        across += value_y[a] * slope
+        bent += bend_y[a] * value
+        curved += value_y[a] * bend
+    return level, along, across, bent, curved
 
 
 @compiled(fastmath=SUMS)
@@ -123,13 +117,11 @@ def gather(rows, y, x, force, variance, own, per_step, scale, size, smooth, asid
     have `size` times, and of gradients.
     """
     value, slope, tilt, moved, longer = out
-    patch = carray(doubles(), (16,))
-    other = carray(floats(), (16,))
     ny, nx = per_step
     f0, f1, f2 = own
     for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
-        iy, ix, at = _at(y[i] * ny, x[i] * nx)
-        level, along, across, bent, curved = _read(smooth, iy, ix, at, patch)
+        iy, ix, ty, tx = _at(y[i] * ny, x[i] * nx)
+        level, along, across, bent, curved = _read(smooth, iy, ix, ty, tx)
         held = min(variance[i], VARIANCE_CAP)
         bent = 0.5 * (ny * ny * bent + nx * nx * curved)
         level += held * bent - force[i] * (f0 + held * (f1 + 0.25 * held * f2))
@@ -138,7 +130,7 @@ def gather(rows, y, x, force, variance, own, per_step, scale, size, smooth, asid
         )
         value[i] = scale[0] * (level + near[i, 0])
         slope[i] = scale[1] * size[i] * (bent + near[i, 1])
-        level = _read(aside, iy, ix, at, other)[0]
+        level = _read(aside, iy, ix, ty, tx)[0]
         tilt[i, 0] = scale[2] * (ny * along + near[i, 2])
         tilt[i, 1] = scale[2] * (nx * across + near[i, 3])
         moved[i] = scale[0] * (level + near[i, 4])
@@ -149,7 +141,6 @@ def gather(rows, y, x, force, variance, own, per_step, scale, size, smooth, asid
 def sample(y, x, origin, unit, size, wrap, per_step, scale, grid, out):
     """`scale` times the mesh potential at any points, which lie at (y - origin[0]) / unit in a cell
     of this `size`; beyond one that does not repeat, zero."""
-    patch = carray(doubles(), (16,))
     my, mx = grid.shape
     high, wide = size
     for i in range(y.size):
@@ -163,8 +154,8 @@ def sample(y, x, origin, unit, size, wrap, per_step, scale, grid, out):
             continue
         py = min(py * per_step[0], my - 1e-9) if wrap else py * per_step[0]
         px = min(px * per_step[1], mx - 1e-9) if wrap else px * per_step[1]
-        iy, ix, at = _at(py, px)
-        out[i] = scale * _read(grid, iy, ix, at, patch)[0]
+        iy, ix, ty, tx = _at(py, px)
+        out[i] = scale * _read(grid, iy, ix, ty, tx)[0]
 
 
 @compiled(fastmath=SUMS)
@@ -174,48 +165,42 @@ def spline(rows, index, y, x, variance, per_step, place, weight):
     ny, nx = per_step
     for k in range(np.uint64(rows[0]), np.uint64(rows[1])):
         i = np.uint64(index[k])
-        iy, ix, at = _at(y[i] * ny, x[i] * nx)
-        half = 0.5 * min(variance[k], VARIANCE_CAP)
+        iy, ix, ty, tx = _at(y[i] * ny, x[i] * nx)
         place[k, 0] = iy
         place[k, 1] = ix
-        set_stored(weight, SIZE * k, at, (half * ny * ny, half * nx * nx))
+        along, _, bent = _cubic(ty)
+        across, _, bend = _cubic(tx)
+        half = 0.5 * min(variance[k], VARIANCE_CAP)
+        half_y, half_x = half * ny * ny, half * nx * nx
+        for a in range(4):
+            spread_y = along[a] + half_y * bent[a]
+            for b in range(4):
+                weight[k, a, b] = spread_y * across[b] + half_x * along[a] * bend[b]
 
 
-@compiled()
+@compiled(fastmath=SUMS)
 def spread(rows, place, weight, vector, grid):
     """Forces `vector` on the mesh by stored weights."""
     grid[:] = 0.0
-    patch = carray(floats(), (16,))
     my, mx = grid.shape
-    width = np.uint64(mx)
     for k in range(np.uint64(rows[0]), np.uint64(rows[1])):
-        ix = np.uint64(place[k, 1])
-        lines = _lines(place[k, 0], my)
-        first = SIZE * k
+        lines, columns = _lines(place[k, 0], my), _lines(place[k, 1], mx)
         value = np.float32(vector[k])
-        if ix + NODES <= width:
-            add_stored(grid, _places(lines, ix, width), weight, first, value)
-        else:
-            patch[:] = 0.0
-            add_stored(patch, PATCH, weight, first, value)
-            _add_patch(grid, lines, ix, patch)
+        for a in range(4):
+            for b in range(4):
+                grid[lines[a], columns[b]] += value * weight[k, a, b]
 
 
-@compiled()
+@compiled(fastmath=SUMS)
 def collect(rows, place, weight, vector, grid, diagonal, near, scale, out):
     """scale (diagonal vector + mesh potential by stored weights + `near`), into `out`."""
-    patch = carray(floats(), (16,))
     my, mx = grid.shape
-    width = np.uint64(mx)
     for k in range(np.uint64(rows[0]), np.uint64(rows[1])):
-        ix = np.uint64(place[k, 1])
-        lines = _lines(place[k, 0], my)
-        first = SIZE * k
-        if ix + NODES <= width:
-            total = read_stored(grid, _places(lines, ix, width), weight, first)
-        else:
-            _copy_patch(grid, lines, ix, patch)
-            total = read_stored(patch, PATCH, weight, first)
+        lines, columns = _lines(place[k, 0], my), _lines(place[k, 1], mx)
+        total = np.float32(0.0)
+        for a in range(4):
+            for b in range(4):
+                total += weight[k, a, b] * grid[lines[a], columns[b]]
         out[k] = scale * (diagonal[k] * vector[k] + total + near[k])
 
 
