@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.interaction.ewald.near_pairs import widest_in_cell
-from asperity.interaction.ewald.operator import CUT_OVER_SPLIT_LENGTH, Interaction
+from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.state import Problem
 
@@ -291,5 +291,5 @@ def _widest(system: ContactSystem, closed: Rows, law: Evaluated) -> float:
     load = np.cumsum(law.force[order])
     widest = float(variance[order[np.searchsorted(load, WIDEST_SHARE * load[-1])]])
     if system.boundary == "periodic":
-        widest = min(widest, widest_in_cell(system.cell, CUT_OVER_SPLIT_LENGTH))
+        widest = min(widest, widest_in_cell(system.cell))
     return max(widest, float(variance[order[int(WIDEST_NUMBER * (len(order) - 1))]]))

@@ -17,6 +17,7 @@ from . import _near_kernels
 
 __all__ = [
     "CHEAP_PAIRS",
+    "CUT_OVER_SPLIT_LENGTH",
     "CUT_RATIO",
     "NearPairs",
     "chunks",
@@ -26,6 +27,9 @@ __all__ = [
     "total",
     "widest_in_cell",
 ]
+
+CUT_OVER_SPLIT_LENGTH = 2.0
+"""Cut-off distance of the near pairs, over the split length eta."""
 
 MEAN_NEIGHBORS = 15
 """Neighbors within the cut-off, on average."""
@@ -66,52 +70,41 @@ TRAILING_PLACES = 8
 """Places behind the last pair of a chunk that whole vectors may read or write."""
 
 
-def split_length(
-    count: int,
-    size: tuple[float, float],
-    periodic: bool,
-    widest: float,
-    cut: float,
-    neighbors: float | None = None,
-) -> float:
+def split_length(count: int, size: tuple[float, float], periodic: bool, widest: float) -> float:
     """Split length eta [m] of an interaction of `count` points.
 
     The cell, or the extent of the points on a free half-space, has the sides `size` (Ly, Lx) [m].
-    The largest variance of a footprint is `widest` [m^2], and `cut` the cut-off of the near pairs
-    over the split length, within which there are so many `neighbors` on average; as many as are
-    fastest if None.
+    The largest variance of a footprint is `widest` [m^2]. Within the cut-off there are as many
+    neighbors on average as are fastest.
     """
-    if neighbors is None:
-        neighbors = max(
-            FEW_NEIGHBORS if count <= FEW_POINTS else MEAN_NEIGHBORS, CHEAP_PAIRS / count
-        )
+    neighbors = max(FEW_NEIGHBORS if count <= FEW_POINTS else MEAN_NEIGHBORS, CHEAP_PAIRS / count)
     # within this distance of a point there are `neighbors` of a plane or, if more, of a line
     reach = max(
         math.sqrt(neighbors / math.pi * size[0] * size[1] / count),
         0.5 * neighbors * max(size) / count,
     )
-    floor = least_cut(count, size, periodic, widest, cut)
+    floor = least_cut(count, size, periodic, widest)
     reach = max(reach, floor)
     if periodic:
-        return _shared_cut(reach, floor, NEAREST_IMAGE * min(size)) / cut
-    return max(min(reach, LONGEST_REACH * math.hypot(*size)), floor) / cut
+        cut = _shared_cut(reach, floor, NEAREST_IMAGE * min(size))
+    else:
+        cut = max(min(reach, LONGEST_REACH * math.hypot(*size)), floor)
+    return cut / CUT_OVER_SPLIT_LENGTH
 
 
-def least_cut(
-    count: int, size: tuple[float, float], periodic: bool, widest: float, cut: float
-) -> float:
+def least_cut(count: int, size: tuple[float, float], periodic: bool, widest: float) -> float:
     """Least cut-off [m] for footprints of the variance `widest`, no more than so many points can
     have; arguments as of `split_length`."""
-    least = cut * SPLIT_OVER_WIDTH * math.sqrt(widest)
+    least = CUT_OVER_SPLIT_LENGTH * SPLIT_OVER_WIDTH * math.sqrt(widest)
     if not periodic:
         return least
     affordable = math.sqrt(MOST_PAIRS / math.pi * size[0] * size[1]) / count
     return min(least, max(affordable, NEAREST_IMAGE * min(size)))
 
 
-def widest_in_cell(size: tuple[float, float], cut: float) -> float:
+def widest_in_cell(size: tuple[float, float]) -> float:
     """Variance [m^2] of a footprint whose near pairs reach all places of a periodic cell."""
-    return (FARTHEST * min(size) / (cut * SPLIT_OVER_WIDTH)) ** 2
+    return (FARTHEST * min(size) / (CUT_OVER_SPLIT_LENGTH * SPLIT_OVER_WIDTH)) ** 2
 
 
 def _shared_cut(wanted: float, least: float, largest: float) -> float:
@@ -149,9 +142,8 @@ def near_pairs(
     cells: tuple[int, int],
     size: tuple[float, float],
     wrap: bool,
-    cut: float,
 ) -> NearPairs:
-    """Pairs within the cut-off of points sorted by their cells."""
+    """Pairs within the cut-off of points sorted by their cells, in split lengths."""
     n = len(y)
     count = max(1, min(threads(), n // 2000, cells[0]))
     edges = np.linspace(0, cells[0], count + 1).astype(np.int64)
@@ -161,7 +153,7 @@ def near_pairs(
     first, number = np.zeros(len(rows), np.int64), np.zeros(len(rows), np.int64)
 
     def find(c: int) -> None:
-        place = y, x, start, cells, size, wrap, cut * cut, rows[c], first[c]
+        place = y, x, start, cells, size, wrap, CUT_OVER_SPLIT_LENGTH**2, rows[c], first[c]
         number[c] = _near_kernels.half_list(*place, ptr, col, pair) - first[c]
 
     each(find, range(count))  # counts them

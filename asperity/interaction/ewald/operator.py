@@ -19,6 +19,7 @@ from surfaces.numerics.parallel import each
 from . import _mesh_kernels, _near_kernels, _pair_kernels
 from .mesh import Mesh, SmoothField, mesh_of
 from .near_pairs import (
+    CUT_OVER_SPLIT_LENGTH,
     NearPairs,
     chunks,
     least_cut,
@@ -28,10 +29,7 @@ from .near_pairs import (
 )
 from .two_level import TwoLevelPreconditioner
 
-__all__ = ["CUT_OVER_SPLIT_LENGTH", "ROUND", "Field", "Interaction"]
-
-CUT_OVER_SPLIT_LENGTH = 2.0
-"""Cut-off distance of the near pairs, over the split length eta."""
+__all__ = ["ROUND", "Field", "Interaction"]
 
 PAIRS_ASIDE = 40_000
 """Least number of near pairs that are summed on another thread than the mesh."""
@@ -95,9 +93,6 @@ class Interaction:
         None.
     widest
         Variance [m^2] that few footprints exceed; the split length is kept well above its root.
-    neighbors, cut, nodes
-        Accuracy against cost: mean number of near neighbors, cut-off over the split length,
-        mesh nodes per split length.
 
     Attributes
     ----------
@@ -142,9 +137,6 @@ class Interaction:
         *,
         form: NDArray[np.float64] | None = None,
         widest: float = 0.0,
-        neighbors: float | None = None,
-        cut: float = CUT_OVER_SPLIT_LENGTH,
-        nodes: float = NODES_PER_SPLIT_LENGTH,
     ) -> None:
         self.footprints = footprints
         periodic = boundary == "periodic"
@@ -156,25 +148,26 @@ class Interaction:
             small = 1e-9 * math.hypot(*cell)
             y, x = y - self.origin[0], x - self.origin[1]
             size = (float(y.max()) + small, float(x.max()) + small)
-        self.eta = split_length(len(y), size, periodic, widest, cut, neighbors)
+        self.eta = split_length(len(y), size, periodic, widest)
         self.sides = size
         size = (size[0] / self.eta, size[1] / self.eta)
         y, x = y / self.eta, x / self.eta
-        ny, nx = int(size[0] / cut), int(size[1] / cut)
+        ny, nx = (int(side / CUT_OVER_SPLIT_LENGTH) for side in size)
         cells = (ny if ny >= 3 else 1, nx if nx >= 3 else 1)
         self.order = np.empty(len(y), np.int64)
         start = np.empty(cells[0] * cells[1] + 1, np.int64)
         _near_kernels.by_cell(y, x, size, cells, self.order, start)
         self.y, self.x = y[self.order], x[self.order]
-        self.size, self.wrap, self.cut = size, periodic, cut
+        self.size, self.wrap = size, periodic
 
         def pairs() -> NearPairs:
-            return near_pairs(self.y, self.x, start, cells, size, periodic, cut)
+            return near_pairs(self.y, self.x, start, cells, size, periodic)
 
         def meshes() -> tuple[Mesh, Mesh]:
+            coarse = TANGENT_NODES * NODES_PER_SPLIT_LENGTH
             return (
-                mesh_of(footprints, size, periodic, nodes, np.float64),
-                mesh_of(footprints, size, periodic, TANGENT_NODES * nodes, np.float32),
+                mesh_of(footprints, size, periodic, NODES_PER_SPLIT_LENGTH, np.float64),
+                mesh_of(footprints, size, periodic, coarse, np.float32),
             )
 
         near, mesh = each(lambda part: part(), (pairs, meshes))
@@ -184,7 +177,7 @@ class Interaction:
         self.two_level = TwoLevelPreconditioner(
             self.y, self.x, size, self.sides, periodic, footprints
         )
-        self.value_table, *tables = _tables(footprints.m, cut * cut)
+        self.value_table, *tables = _tables(footprints.m, CUT_OVER_SPLIT_LENGTH**2)
         self.kernel = (*tables, BEADS, footprints.power)
         self.own = tuple(float(v[0]) for v in smooth_part(footprints.m, np.zeros(1))[:3])
         self.scale = footprints.point * self.eta**-footprints.power
@@ -272,8 +265,8 @@ class Interaction:
     def holds(self, widest: float) -> bool:
         """Whether the split length is long enough for footprints of the variance `widest` [m^2], or
         the largest for this number of points."""
-        least = least_cut(len(self.order), self.sides, self.wrap, widest, self.cut)
-        return self.cut * self.eta >= (1 - 1e-9) * least
+        least = least_cut(len(self.order), self.sides, self.wrap, widest)
+        return CUT_OVER_SPLIT_LENGTH * self.eta >= (1 - 1e-9) * least
 
     def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
         """The interaction of these pairs with its points moved a little, by `dy` and `dx` [m],

@@ -10,6 +10,7 @@ from strategies import random_population
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction.coupled_solve import descend
 from asperity.interaction.elongation import Elongation
+from asperity.interaction.ewald.near_pairs import CUT_OVER_SPLIT_LENGTH
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.laws import Laws
 from asperity.interaction.newton.state import Problem
@@ -87,13 +88,13 @@ def test_field_of_a_long_pair_is_that_of_elliptic_gaussians(m, angle):
 def test_far_from_a_long_footprint_its_mean_moment_is_felt(m):
     """The mean over a circle of places beyond the near pairs, of long contacts as of elliptic
     Gaussians."""
-    f, count, far, variance = Footprints(2.0, m), 24, 0.4, 1e-3
+    f, count, far, variance = Footprints(2.0, m), 480, 0.4, 1e-3
     turn = 2 * np.pi * np.arange(count) / count
     y, x = np.append(far * np.sin(turn), 0.0), np.append(far * np.cos(turn), 0.0)
     n, form = count + 1, of(6.0, 0.4, m).moments
-    how = {"form": np.repeat(form, n, axis=0), "widest": variance, "neighbors": 4}
+    how = {"form": np.repeat(form, n, axis=0), "widest": variance}
     plan = Interaction(y, x, (1.0, 1.0), "free", f, **how)
-    assert plan.cut * plan.eta < far
+    assert CUT_OVER_SPLIT_LENGTH * plan.eta < far
     force = (plan.order == count).astype(float)
     field = plan.field(force, np.full(n, variance))
     large, small, angle = principal(2 * variance * form[0])

@@ -10,7 +10,7 @@ from oracles import dense_matrix, periodic_interaction, self_image
 
 from asperity.halfspace.footprint import OUTSIDE_SHARE, Footprints
 from asperity.interaction.ewald.mesh import Mesh
-from asperity.interaction.ewald.near_pairs import CHEAP_PAIRS, CUT_RATIO
+from asperity.interaction.ewald.near_pairs import CHEAP_PAIRS, CUT_OVER_SPLIT_LENGTH, CUT_RATIO
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
 
@@ -76,7 +76,7 @@ def test_plans_of_one_cell_share_their_mesh(unit):
     for n in (180, 200, 220):
         y, x = unit * np.random.default_rng(n).uniform(0, 1, (2, n))
         plans.append(Interaction(y, x, (unit, unit), "periodic", Footprints(1.0)))
-    reach = np.array([plan.eta * plan.cut for plan in plans]) / unit
+    reach = np.array([plan.eta * CUT_OVER_SPLIT_LENGTH for plan in plans]) / unit
     assert len({id(plan.mesh) for plan in plans}) == len(set(reach)) < 3
     wanted = np.sqrt(CHEAP_PAIRS / np.pi) / np.array([180, 200, 220])
     assert (np.abs(np.log(reach / wanted)) <= 0.5 * np.log(CUT_RATIO) + 1e-12).all()
@@ -171,15 +171,17 @@ def test_field_is_the_dense_sum(m, boundary):
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-@pytest.mark.parametrize(("n", "neighbors"), [(5, 20), (40, 60), (700, 3), (700, 20), (700, 90)])
-def test_near_pairs_are_all_pairs_within_the_cut_off(n, neighbors, boundary):
+@pytest.mark.parametrize(
+    ("n", "widest"), [(5, 0.0), (40, 0.0), (150, 0.0), (700, 0.0), (700, 4e-4), (700, 2e-3)]
+)
+def test_near_pairs_are_all_pairs_within_the_cut_off(n, widest, boundary):
     y, x, _ = scene(n, 0.0, 4)
-    plan = Interaction(y, x, CELL, boundary, Footprints(1.0), neighbors=neighbors)
+    plan = Interaction(y, x, CELL, boundary, Footprints(1.0), widest=widest)
     away = np.array([np.subtract.outer(place, place) for place in (plan.y, plan.x)])
     if boundary == "periodic":
         size = np.array(plan.size)[:, None, None]
         away -= size * np.round(away / size)
-    i, j = np.nonzero(np.triu((away**2).sum(axis=0) < plan.cut**2, 1))
+    i, j = np.nonzero(np.triu((away**2).sum(axis=0) < CUT_OVER_SPLIT_LENGTH**2, 1))
     runs = [np.arange(first, last) for first, last in plan.near.ptr]
     row, place = np.repeat(np.arange(n), [len(run) for run in runs]), np.concatenate(runs)
     order = np.lexsort((plan.near.col[place], row))
@@ -211,15 +213,20 @@ def test_wide_footprints_in_a_narrow_cell_act_as_all_their_images(n, cell, m):
     assert np.abs((field - dense + np.diag(own)) / scale).max() < 0.02
 
 
-def test_finer_settings_converge_to_the_dense_sum():
+def test_finer_settings_converge_to_the_dense_sum(monkeypatch):
+    """A longer cut-off with more neighbors in it, and more nodes."""
     y, x, k = scene(120, 0.0, 8, 0.3)
     f = Footprints(1.0)
     v = 0.6 * f.variance(k)
     dense = dense_matrix(y, x, v, CELL, "periodic", f)
     np.fill_diagonal(dense, dense.diagonal() - f.self_factor / np.sqrt(v))
     errors = []
-    for options in ({"cut": 2.0, "nodes": 2.2}, {"cut": 3.5, "nodes": 4.0, "neighbors": 60}):
-        plan = Interaction(y, x, CELL, "periodic", f, **options)
+    for cut, nodes, pairs in ((2.0, 2.2, CHEAP_PAIRS), (3.5, 4.0, 60 * len(y))):
+        monkeypatch.setattr("asperity.interaction.ewald.near_pairs.CUT_OVER_SPLIT_LENGTH", cut)
+        monkeypatch.setattr("asperity.interaction.ewald.operator.CUT_OVER_SPLIT_LENGTH", cut)
+        monkeypatch.setattr("asperity.interaction.ewald.near_pairs.CHEAP_PAIRS", pairs)
+        monkeypatch.setattr("asperity.interaction.ewald.operator.NODES_PER_SPLIT_LENGTH", nodes)
+        plan = Interaction(y, x, CELL, "periodic", f)
         value = plan.field(np.ones(len(y)), v[plan.order]).value
         errors.append(np.abs(value - dense.sum(1)[plan.order]).max())
     assert errors[1] < 0.2 * errors[0]
