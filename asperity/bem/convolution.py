@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from surfaces.numerics import parallel
 
 from . import _grid_kernels
-from .transform import FFTWTransform, ScipyTransform, Scratch, prefers_fftw
+from .transform import FFTWTransform, ScipyTransform, prefers_fftw
 
 __all__ = ["Convolution", "plan"]
 
@@ -39,13 +39,10 @@ class Convolution(Protocol):
         Input, shape (ny, nx or more), kept; columns beyond nx are zero.
     grid
         Output, shape (ny, nx or more); columns beyond nx are scratch.
-    output
-        The contiguous memory of `grid`.
     """
 
     values: NDArray[Any]
     grid: NDArray[Any]
-    output: NDArray[Any]
 
     def apply(self, symbol: NDArray[Any]) -> None:
         """Convolve `values` into `grid`.
@@ -60,7 +57,6 @@ def plan(
     padded: tuple[int, int],
     *,
     dtype: Any = np.float64,
-    scratch: Scratch | None = None,
 ) -> Convolution:
     """The convolution that is faster for a grid (ny, nx) and its padded shape, by float64 or 32.
 
@@ -71,7 +67,7 @@ def plan(
     whole = shape[0] * shape[1] <= _LARGEST_WHOLE[padded != shape]
     kind: Callable[..., Convolution] = FFTWTransform if whole else _Blocked
     kind = kind if prefers_fftw(padded) else ScipyTransform
-    return kind(shape, padded, np.dtype(dtype), scratch or Scratch())
+    return kind(shape, padded, np.dtype(dtype))
 
 
 class _Blocked:
@@ -82,13 +78,12 @@ class _Blocked:
         shape: tuple[int, int],
         padded: tuple[int, int],
         dtype: np.dtype[Any],
-        scratch: Scratch,
     ) -> None:
         ny, nx = self._shape = shape
         self._half = padded[1] // 2 + 1
-        self.values = scratch.zeros((ny, nx), dtype)
+        self.values = np.zeros((ny, nx), dtype)
         self._lines = [_Lines(padded, dtype) for _ in range(parallel.threads())]
-        self.output = self._spectrum = scratch.zeros((ny, self._half), self._lines[0].half.dtype)
+        self._spectrum = np.zeros((ny, self._half), self._lines[0].half.dtype)
         self.grid = self._spectrum.view(dtype)
 
     def apply(self, symbol: NDArray[Any]) -> None:

@@ -14,26 +14,22 @@ from asperity.halfspace.influence import symbol_quadrant
 from . import convolution
 from .contact_list import ContactList
 from .operator import HalfSpaceOperator
-from .transform import Scratch
 
 __all__ = ["FullGridOperator"]
 
 
 class FullGridOperator:
-    """An exact operator, whose pressure is overwritten, in single precision on a contact list."""
+    """An exact operator in single precision on a contact list."""
 
     aim = 1e-3
 
     def __init__(self, exact: HalfSpaceOperator) -> None:
         ny, nx = self._shape = exact.shape
-        scratch = Scratch(exact.pressure)
         self._forward = self._backward = convolution.plan(
-            exact.shape, exact.padded, dtype=np.float32, scratch=scratch
+            exact.shape, exact.padded, dtype=np.float32
         )
         if exact.padded != exact.shape:
-            self._backward = convolution.plan(
-                exact.shape, exact.shape, dtype=np.float32, scratch=scratch
-            )
+            self._backward = convolution.plan(exact.shape, exact.shape, dtype=np.float32)
         self._symbol = exact.symbol.astype(np.float32)
         inverse = symbol_quadrant(exact.shape, exact.spacing, 1.0 - exact.m, 1.0 / (ny * nx))
         inverse[0, 0] = 0.5 * min(inverse[0, 1], inverse[1, 0])

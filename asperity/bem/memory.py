@@ -7,18 +7,19 @@ from surfaces.numerics import memory
 
 __all__ = ["estimated_bytes", "fits", "require_memory"]
 
-_BYTES_PER_POINT = {"periodic": 60, "free": 70}
+_BYTES_PER_POINT = {"periodic": 65, "free": 78}
 """Bytes per point if the area fraction is not known, by boundary."""
 
-_OF_CONTACT = {"periodic": (22, 110), "free": (40, 60)}
+_OF_CONTACT = {"periodic": (30, 110), "free": (48, 70)}
 """Bytes per point of one load at light contact, and their increase up to full contact."""
 
 
 def estimated_bytes(shape: tuple[int, int], boundary: Boundary, share: float | None = None) -> int:
     """Peak above the loaded map [bytes], at moderate contact or at a `share` of the area.
 
-    Measured: 21, 24 and 41 bytes per point at 0.2, 4 and 18 % of contact (periodic) and 40 at 3 %
-    (free); 57 along a curve.
+    Measured on 2048 x 2048 points: 30, 31, 35 and 44 bytes per point at 0.1, 4, 10 and 19 % of
+    contact (periodic), 47 and 51 at 0.1 and 9 % (free). Along a curve up to 10 %: 43 (periodic),
+    and 71 on 1024 x 1024 points (free).
     """
     least, most = _OF_CONTACT[boundary]
     each = _BYTES_PER_POINT[boundary] if share is None else least + most * share

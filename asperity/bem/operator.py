@@ -12,7 +12,6 @@ from asperity.halfspace.material import HalfSpace
 from surfaces.numerics.parallel import threads
 
 from . import convolution
-from .transform import Scratch
 
 __all__ = ["HalfSpaceOperator"]
 
@@ -24,15 +23,13 @@ class HalfSpaceOperator:
     Periodic: the cell repeats, and u has zero mean, ``u^(q) = Lambda(q) p^(q)`` with
     ``Lambda ~ |q|**(m-1)`` and ``Lambda(0) = 0``. Free: the half-space is at rest at infinity and
     carries no pressure outside the grid; exact cell-integrated influence, convolved by zero padding
-    (docs/development/half_space.md). Buffers come from `scratch`.
+    (docs/development/half_space.md).
 
     Attributes
     ----------
     pressure, displacement
         Pressure p~, which `apply` reads, and the displacement [m] that it found last: ny rows, nx
         or more columns.
-    output
-        The memory of `displacement`, contiguous.
     """
 
     def __init__(
@@ -41,8 +38,6 @@ class HalfSpaceOperator:
         spacing: tuple[float, float],
         material: HalfSpace,
         boundary: Boundary = "periodic",
-        *,
-        scratch: Scratch | None = None,
     ) -> None:
         self.shape = shape
         self.spacing = spacing
@@ -55,9 +50,9 @@ class HalfSpaceOperator:
             ny, nx = (2 * scipy.fft.next_fast_len(n, real=True) for n in shape)
             self.padded = (ny, nx)
         self.symbol = self._scaled_symbol()
-        self._convolution = convolution.plan(shape, self.padded, scratch=scratch)
+        self._convolution = convolution.plan(shape, self.padded)
         self.pressure = self._convolution.values
-        self.displacement, self.output = self._convolution.grid, self._convolution.output
+        self.displacement = self._convolution.grid
 
     def _scaled_symbol(self) -> NDArray[np.float64]:
         """Quadrant of the dimensionless symbol, divided by the number of points of the transform.

@@ -24,7 +24,6 @@ from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .solution import read_contact
 from .stiffness import contact_stiffness
-from .transform import Scratch
 
 __all__ = ["ContactProblem"]
 
@@ -125,16 +124,13 @@ class ContactProblem:
         shapes = nested_shapes(self.hm.shape)[:-1]
         fine, whole = self.finest.exact, self.finest.heights
         top = self.hm.roughness.summit if self.boundary == "periodic" else (0, 0)
-        scratch = Scratch(fine.output)
         solution: GridSolution | None = None
         coarse: NestedGrid | None = None
         ly, lx = self.hm.size
         for heights in coarse_maps(whole, self.boundary, shapes, top):
             ny, nx = heights.shape
             spacing = (ly / ny, lx / nx)
-            exact = HalfSpaceOperator(
-                (ny, nx), spacing, self.material, self.boundary, scratch=scratch
-            )
+            exact = HalfSpaceOperator((ny, nx), spacing, self.material, self.boundary)
             ratio = exact.compliance / fine.compliance
             grid = NestedGrid(heights, exact, ratio * self.finest.cap)
             if goal.level is not None and -goal.level >= grid.highest:

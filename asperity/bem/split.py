@@ -22,7 +22,6 @@ from ._stencil_kernels import LANES, RADIUS
 from .contact_list import ContactList
 from .operator import HalfSpaceOperator
 from .stencil import fitted_stencil, precondition_stencil, stencil_symbol
-from .transform import Scratch
 
 __all__ = ["SplitOperator"]
 
@@ -34,7 +33,7 @@ _LEAST_PLACES = 500
 
 
 class SplitOperator:
-    """Approximation of an exact operator, whose pressure is overwritten by every use."""
+    """Approximation of an exact operator."""
 
     aim = 0.0015
 
@@ -47,12 +46,9 @@ class SplitOperator:
         inverse = precondition_stencil(fit_aspect, exact.m)
         self._near, self._inverse = (s.astype(np.float32).ravel() for s in (stencil, inverse))
         ny, nx = self.shape
-        scratch = Scratch(exact.pressure)
-        self._grid = scratch.zeros((ny + 2 * RADIUS + 1, nx + 2 * LANES), np.float32)
+        self._grid = np.zeros((ny + 2 * RADIUS + 1, nx + 2 * LANES), np.float32)
         nyc, nxc = (scipy.fft.next_fast_len(-(-n // COARSENING), real=True) for n in exact.padded)
-        self._remainder = convolution.plan(
-            (nyc, nxc), (nyc, nxc), dtype=np.float32, scratch=scratch
-        )
+        self._remainder = convolution.plan((nyc, nxc), (nyc, nxc), dtype=np.float32)
         self._down, self._across = _taps(ny, exact.padded[0], nyc), _taps(nx, exact.padded[1], nxc)
         self._whole = exact.padded[1] == COARSENING * nxc
         self._up = _by_coarse_point(*self._down, nyc)

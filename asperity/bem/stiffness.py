@@ -25,7 +25,7 @@ def contact_stiffness(grid: NestedGrid, reading: Reading, *, unloading: bool = F
     points in contact keep together, and their pressures change by q with (G q) = 1 on them. Where
     nothing touches it is zero; a periodic cell that touches all over has no gap left, and no finite
     stiffness. What has reached the hardness keeps its pressure as the load grows, and yields no
-    more as the load begins to fall: `unloading` counts it in. Pressure and displacement stay.
+    more as the load begins to fall: `unloading` counts it in.
 
     Notes
     -----
@@ -55,5 +55,4 @@ def contact_stiffness(grid: NestedGrid, reading: Reading, *, unloading: bool = F
         filtered = operator.precondition(residual)
         size, before = float(np.dot(residual, filtered)), size
         ahead = filtered + np.float32(size / before) * ahead
-    pressed.fill(grid.exact.pressure, held)
     return float(q.sum()) / grid.heights.size

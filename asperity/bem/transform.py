@@ -1,4 +1,4 @@
-"""Convolution by one real transform pair, planned once, and idle memory for temporary arrays."""
+"""Convolution by one real transform pair, planned once."""
 
 from __future__ import annotations
 
@@ -14,10 +14,7 @@ from surfaces.numerics.parallel import by_rows, threads
 
 from ._grid_kernels import multiply
 
-__all__ = ["FFTWTransform", "ScipyTransform", "Scratch", "prefers_fftw"]
-
-_ALIGNMENT = 64
-"""Bytes, one cache line."""
+__all__ = ["FFTWTransform", "ScipyTransform", "prefers_fftw"]
 
 _FACTORS = 2 * 3 * 5 * 7 * 11 * 13
 """Product of the prime factors of the lengths for which FFTW is faster than scipy."""
@@ -37,37 +34,6 @@ def _own(count: int) -> int:
     return count if _home == os.getpid() else 1
 
 
-class Scratch:
-    """Arrays carved from others that are not in use.
-
-    Fresh memory is dear: the operating system clears it page by page, which on large grids takes as
-    long as the arithmetic.
-
-    Parameters
-    ----------
-    idle
-        Contiguous arrays whose contents are not needed while the carved ones live.
-    """
-
-    def __init__(self, *idle: NDArray[Any]) -> None:
-        self._left = [array.reshape(-1).view(np.uint8) for array in idle]
-
-    def zeros(self, shape: tuple[int, ...], dtype: Any = np.float64) -> NDArray[Any]:
-        """Array of zeros, aligned to 64 bytes; from fresh memory if nothing idle is long enough."""
-        size = math.prod(shape) * np.dtype(dtype).itemsize
-        for i, left in enumerate(self._left):
-            skip = -left.ctypes.data % _ALIGNMENT
-            if skip + size <= left.size:
-                self._left[i] = left[skip + size :]
-                array: NDArray[Any] = left[skip : skip + size].view(dtype).reshape(shape)
-                array[...] = 0
-                return array
-        fresh = np.zeros(size + _ALIGNMENT, np.uint8)
-        skip = -fresh.ctypes.data % _ALIGNMENT
-        made: NDArray[Any] = fresh[skip : skip + size].view(dtype).reshape(shape)
-        return made
-
-
 def prefers_fftw(shape: tuple[int, int]) -> bool:
     """Whether FFTW (estimated plans) is faster than scipy on this shape.
 
@@ -81,22 +47,23 @@ def prefers_fftw(shape: tuple[int, int]) -> bool:
 class _Whole:
     """What both kinds of a planned pair of transforms of a whole grid share, see
     `convolution.Convolution`: `shape` points that hold values, and `padded` of the transform, in
-    float64 or float32, with buffers of scratch."""
+    float64 or float32."""
+
+    values: NDArray[Any]
+    grid: NDArray[Any]
 
     def __init__(
         self,
         shape: tuple[int, int],
         padded: tuple[int, int],
         dtype: np.dtype[Any],
-        scratch: Scratch,
     ) -> None:
         self._padded = padded
         self._threads = _own(threads()) if math.prod(padded) > _ONE_THREAD else 1
-        self.values = scratch.zeros((shape[0], padded[1]), dtype)
-        self._plan(scratch)
+        self._plan((shape[0], padded[1]), dtype)
 
-    def _plan(self, scratch: Scratch) -> None:
-        """Set `output` and `grid`, and what the transforms need."""
+    def _plan(self, rows: tuple[int, int], dtype: np.dtype[Any]) -> None:
+        """Set `values` and `grid`, and what the transforms need."""
         raise NotImplementedError
 
     def _scale(self, spectrum: NDArray[Any], symbol: NDArray[Any]) -> None:
@@ -108,13 +75,14 @@ class _Whole:
 class FFTWTransform(_Whole):
     """FFTW pair whose output lies in the buffer of the spectrum."""
 
-    def _plan(self, scratch: Scratch) -> None:
+    def _plan(self, rows: tuple[int, int], dtype: np.dtype[Any]) -> None:
         import pyfftw
 
-        (ny, nx), rows = self._padded, len(self.values)
-        complex_type = np.result_type(self.values.dtype, np.complex64)
-        self.output = self._spectrum = scratch.zeros((ny, nx // 2 + 1), complex_type)
-        self.grid = self._spectrum.view(self.values.dtype)[:rows]
+        (ny, nx), count = self._padded, rows[0]
+        complex_type = np.result_type(dtype, np.complex64)
+        self.values = pyfftw.zeros_aligned(rows, dtype)
+        self._spectrum = pyfftw.zeros_aligned((ny, nx // 2 + 1), complex_type)
+        self.grid = self._spectrum.view(dtype)[:count]
 
         def planned(a: Any, b: Any, axes: tuple[int, ...], direction: str) -> Any:
             flags = ("FFTW_ESTIMATE", *(() if a is self.values else ("FFTW_DESTROY_INPUT",)))
@@ -122,8 +90,8 @@ class FFTWTransform(_Whole):
                 a, b, axes=axes, direction=direction, flags=flags, threads=self._threads
             )
 
-        out, used = self.grid[:, :nx], self._spectrum[:rows]
-        if rows == ny:
+        out, used = self.grid[:, :nx], self._spectrum[:count]
+        if count == ny:
             self._forward = [planned(self.values, used, (0, 1), "FFTW_FORWARD")]
             self._backward = [planned(used, out, (0, 1), "FFTW_BACKWARD")]
         else:
@@ -150,8 +118,8 @@ class FFTWTransform(_Whole):
 class ScipyTransform(_Whole):
     """Pair of scipy.fft."""
 
-    def _plan(self, scratch: Scratch) -> None:
-        self.output = self.grid = scratch.zeros(self.values.shape, self.values.dtype)
+    def _plan(self, rows: tuple[int, int], dtype: np.dtype[Any]) -> None:
+        self.values, self.grid = np.zeros(rows, dtype), np.zeros(rows, dtype)
 
     def apply(self, symbol: NDArray[Any]) -> None:
         """Convolve `values` into `grid`."""

@@ -1,4 +1,4 @@
-"""The blocked convolution against the whole one, and memory lent from idle arrays."""
+"""The blocked convolution against the whole one."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asperity.bem import convolution, transform
-from asperity.bem.transform import FFTWTransform, Scratch
+from asperity.bem.transform import FFTWTransform
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
@@ -23,26 +23,10 @@ def test_blocked_convolution_is_the_whole_one(shape, padded, threads, dtype, mon
     values = rng.standard_normal(shape)
     found = []
     for kind in (FFTWTransform, convolution._Blocked):
-        pair = kind(shape, padded, np.dtype(dtype), Scratch())
+        pair = kind(shape, padded, np.dtype(dtype))
         pair.values[:, : shape[1]] = values
         for _ in range(2):
             pair.apply(symbol)
         found.append(pair.grid[:, : shape[1]])
     rounding = 5e3 * np.finfo(dtype).eps
     np.testing.assert_allclose(*found, rtol=0.0, atol=rounding * np.abs(found[0]).max())
-
-
-def test_scratch_lends_idle_memory_first():
-    """Arrays of zeros, aligned, apart from each other, from the idle array while it lasts."""
-    idle = np.ones(1000)
-    scratch = Scratch(idle)
-    first = scratch.zeros((10, 20), np.float32)
-    second = scratch.zeros((5, 30), np.complex128)
-    third = scratch.zeros((900,))
-    for array in (first, second, third):
-        assert array.ctypes.data % 64 == 0
-        assert not array.any()
-    assert np.shares_memory(first, idle)
-    assert np.shares_memory(second, idle)
-    assert not np.shares_memory(first, second)
-    assert not np.shares_memory(third, idle)

@@ -88,7 +88,7 @@ def test_both_libraries_transform(shape):
     values, symbol = np.random.default_rng(4).random((2, *shape))
     symbol = symbol[: shape[0] // 2 + 1, : shape[1] // 2 + 1]
     kind = transform.FFTWTransform if transform.prefers_fftw(shape) else transform.ScipyTransform
-    pair = kind(shape, shape, np.dtype(float), transform.Scratch())
+    pair = kind(shape, shape, np.dtype(float))
     pair.values[:] = values
     pair.apply(symbol)
     row = np.arange(shape[0])
