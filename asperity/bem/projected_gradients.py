@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _list_kernels
 
-__all__ = ["SPARE_LOAD", "ListOperator", "solve_on_list"]
+if TYPE_CHECKING:
+    from .full_grid import FullGridOperator
+    from .split import SplitOperator
+
+__all__ = ["SPARE_LOAD", "solve_on_list"]
 
 SPARE_LOAD = 1.05
 """Load that the listed points could bear at the cap, over the prescribed load: lists hold at least
@@ -32,26 +36,8 @@ _STUCK = 0.02
 does not fall: a step of steepest descent follows."""
 
 
-class ListOperator(Protocol):
-    """Operator and preconditioner on the points of a list.
-
-    Attributes
-    ----------
-    aim
-        Largest reduction of the error that one solve with this operator is worth.
-    """
-
-    aim: float
-
-    def apply(self, pressure: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Displacement at the points of a pressure on them."""
-
-    def precondition(self, residual: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Approximate inverse of the operator."""
-
-
 def solve_on_list(
-    operator: ListOperator,
+    operator: SplitOperator | FullGridOperator,
     pressure: NDArray[np.float64],
     gap: NDArray[np.float64],
     *,
@@ -143,7 +129,7 @@ class _State:
 
     def __init__(
         self,
-        operator: ListOperator,
+        operator: SplitOperator | FullGridOperator,
         pressure: NDArray[np.float64],
         gap: NDArray[np.float64],
         total: float | None,

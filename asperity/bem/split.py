@@ -36,6 +36,7 @@ class SplitOperator:
     """Approximation of an exact operator."""
 
     aim = 0.0015
+    """Largest reduction of the error that one solve with this operator is worth."""
 
     def __init__(self, exact: HalfSpaceOperator) -> None:
         self.shape = exact.shape
