@@ -23,7 +23,7 @@ from asperity.model.load_point import (
     point_at_separation,
     spot_count,
 )
-from asperity.model.plan import Plan, interaction_needed, make_plan, require_plan
+from asperity.model.plan import Plan, make_plan, require_plan
 from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
@@ -178,8 +178,6 @@ def solve_loads(
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
     require_plan(plan)
     start = time.perf_counter() - plan.seconds
-    scene = hm, material, kind, values, plan.parameters
-    comparing = not plan.interaction and interaction_needed(*scene)[0]
     if decomposition is None:
         plan.require_scene_of(hm.without_rounding, material)
         decomposition = Decomposition.of(hm.without_rounding, material, plan)
@@ -192,7 +190,7 @@ def solve_loads(
 
     with reported(progress, len(values), "load points") as tell:
         while True:
-            for i, point, row in _sweep(decomposition, kind, values, comparing):
+            for i, point, row in _sweep(decomposition, kind, values):
                 rows[i] = row
                 if keep:
                     points[i] = point
@@ -222,7 +220,7 @@ class _Row(NamedTuple):
 
 
 def _sweep(
-    decomposition: Decomposition, kind: str, values: NDArray[np.float64], comparing: bool
+    decomposition: Decomposition, kind: str, values: NDArray[np.float64]
 ) -> Iterator[tuple[int, LoadPoint, _Row]]:
     """Solve the load points from light to heavy: the index of each in `values`, its point, its row.
 
@@ -250,7 +248,7 @@ def _sweep(
             del state
         if not decomposition.deep_enough(point.state):
             return
-        if comparing:
+        if not decomposition.plan.interaction:
             at: Any = {"separation": point.state.separation, "tolerance": RESIDUAL_AT_SEPARATION}
             if interacting is not None:
                 interacting = handed_on(interacting, **at)

@@ -20,7 +20,6 @@ from asperity.halfspace.load_points import (
     chosen_boundary,
     expected_area_fraction,
     require_scene,
-    slope_scale,
 )
 from asperity.microcontact.laws import TABULATORS
 from asperity.multiscale.wave_split import chosen_grid
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
 
     from .law_rows import LoadShares
 
-__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan", "peaks_above", "require_plan"]
+__all__ = ["SCALES", "Plan", "make_plan", "peaks_above", "require_plan"]
 
 SCALES = ("auto", "all")
 """Treatments of the finest waves of a map (`contact_curve`)."""
@@ -207,10 +206,9 @@ def make_plan(
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
     reasons = [f"boundary: {edge} ({source})", f"material: {body}"]
     reasons.append(hardness_needed(hm, material)[0])
-    coupled, why = False, "interaction: off, as asked (the classical independent sum)"
-    if as_truth("interaction", interaction):
-        coupled, why = interaction_needed(hm, material, kind, values, parameters)
-    reasons.append(why)
+    coupled = as_truth("interaction", interaction)
+    off = "interaction: off, as asked (the classical independent sum)"
+    reasons.append("interaction: on" if coupled else off)
     cell = hm if edge == "periodic" or not hm.periodic else hm.replace(periodic=False)
     resampled, fine, whys = chosen_grid(cell, material, coupled, scales, parameters)
     solved = hm if resampled is None else resampled.hm
@@ -265,32 +263,6 @@ def require_plan(plan: object) -> None:
     """Refuse an argument `plan` that is not a `Plan`."""
     if not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
-
-
-def interaction_needed(
-    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray, parameters: Parameters
-) -> tuple[bool, str]:
-    """Whether contacts displace each other at load points of `checked_loads`, and why.
-
-    One contact of radius R = l/h' (`slope_scale`) under the largest load F has the approach
-    d = (9 F^2 / (16 E*^2 R))^(1/3) (Hertz) and displaces a neighbor at the distance l by
-    u = F / (pi E* l) (Boussinesq). Interaction is off if u < `limits.negligible_shift` d.
-    """
-    if kind != "pressure" or material.m != 0.0:
-        return True, "interaction: on"
-    force = float(values.max()) * hm.area
-    slope, length = slope_scale(hm)
-    if force == 0.0:
-        return False, "interaction: off, no load"
-    shift = force / (np.pi * material.modulus * length)
-    approach = (9.0 * force**2 * (slope / length) / (16.0 * material.modulus**2)) ** (1.0 / 3.0)
-    negligible = parameters.limits.negligible_shift
-    if shift < negligible * approach:
-        return False, (
-            "interaction: off, the load is so small that neighbors would shift a contact by "
-            f"less than {negligible:g} of its approach"
-        )
-    return True, "interaction: on"
 
 
 def _lowest_height(

@@ -84,12 +84,9 @@ class Limits:
         points above it are refused. With lay of 10:1 (shortest wave 8 pixels) it is reached at 9 %
         of contact, where the load is 24 to 32 % too high; with 20:1 at 5 %, where the load is half
         as much again too high. Lay of 4:1 has 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
-    negligible_shift
-        Displacement by the neighbors, over the approach [-], below which interaction is left out.
     """
 
     long_area: float = 1.9
-    negligible_shift: float = 2e-3
 
 
 @dataclass(frozen=True)
