@@ -31,7 +31,6 @@ from asperity.trust.error_estimate import (
     CALIBRATED,
     estimate,
     nonrandomness,
-    outside_model_terms,
     terms,
 )
 from asperity.trust.verified import anchored
@@ -254,7 +253,6 @@ def _sweep(
                 interacting = handed_on(interacting, **at)
             interacting = decomposition.interacting.solve(state=interacting, **at)
         found = terms(decomposition, point.state, nonrandom)
-        found |= outside_model_terms(decomposition, point.state)
         numbers = {name: getattr(point.state, name) for name in OF_CONTACTS}
         numbers |= {name: getattr(point.surface, name) for name in OF_SURFACE}
         numbers["contacts"] = spot_count(decomposition, point)

@@ -1,12 +1,12 @@
 """Error estimate of the microcontact model at a load point, made without boundary elements.
 
 The estimate is a weighted sum of terms, each of which grows with one known limit of the model
-(`terms`). The weights are quantiles fitted on synthetic surfaces of several families
+(`TERMS`). The weights are quantiles fitted on synthetic surfaces of several families
 (``benchmarks/accuracy.py``, ``benchmarks/calibrate_estimate.py``) and checked on others: see
 ``docs/development/fits.md``.
 
 Those surfaces have hardly any contacts outside the model: flat tops, ridges of one height, contacts
-cut by the border. These add terms of their own (`outside_model_terms`).
+cut by the border. These add terms of their own (`OUTSIDE_MODEL`).
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ __all__ = [
     "TERMS",
     "estimate",
     "nonrandomness",
-    "outside_model_terms",
     "terms",
 ]
 
@@ -47,15 +46,16 @@ TERMS = (
     "long_crowding",
     "few_crowded",
 )
-"""Names of the terms of `terms`, in the order of the weights in `parameters.ErrorEstimate`."""
+"""Names of the terms of limits of the model, in the order of the weights in
+`parameters.ErrorEstimate`."""
 
 CALIBRATED = "auto", "ellipse"
 """Laws for which the weights were fitted; with others the area is up to three times too large."""
 
 
 OUTSIDE_MODEL = "flat_tops", "at_border", "unsure", "unresolved", "overshoot"
-"""Names of the terms of `outside_model_terms`, and of their weights in `parameters.ErrorEstimate`.
-"""
+"""Names of the terms of contacts outside the model or not resolved by the map, and of their
+weights in `parameters.ErrorEstimate`."""
 
 
 def terms(
@@ -89,36 +89,96 @@ def terms(
         long times `crowding`.
     few_crowded
         few times sqrt(`crowding`): few hills whose basins fill.
+    flat_tops
+        Share of the load on flat tops and ridges: that of each contact times the part of its area
+        that is a flat top. The term is smaller if these tops are pressed alone.
+    at_border
+        Square of the share of the load on contacts that the border of a finite punch cuts, each by
+        the part of its radius that is cut off: a few cut contacts among many do little harm.
+    unsure
+        Square of the share of the load on contacts whose law expects an error of `unsure_error` or
+        more.
+    unresolved
+        1/n - 1/`resolved_pixels`, zero or more, weighted by load, for contacts of n pixels; pixels
+        of the finer of both grids if the map is solved on another one.
+    overshoot
+        Height of summits above their highest pixels, over the approach and weighted by load, less
+        `usual_overshoot`: the map does not tell where spikes, cliffs and sharp edges end.
     """
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
-        return dict.fromkeys(TERMS, 0.0)
+        return dict.fromkeys((*TERMS, *OUTSIDE_MODEL), 0.0)
     share = state.force[closed] / state.force.sum()
     table, depth = decomposition.population.table, state.approach[closed]
+    spread = np.abs(table.spread_at(closed, depth))
     outgrown = (table.flags_at(closed, depth) & Flag.BEYOND_RADIUS) > 0
     # with a sub-contact law the contacts are those of the coarser grid
     law = decomposition.plan.sub_contact_law
     hm = decomposition.solved if law else decomposition.hm
     pixel = hm.area / math.prod(hm.shape)
-    steep, shallow = decomposition.summits.curvature[closed].T
+    summits = decomposition.summits
+    steep, shallow = summits.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
     crowding, long = state.contact_area / decomposition.hm.area, np.sum(share * ratio)
     few = np.sqrt(np.sum(share**2))
     pixels = np.sum(share * state.area[closed]) / pixel
     coarse = 1.0 / np.sqrt(max(pixels, np.finfo(float).tiny))
     taken = 0.0 if law is None else law.ratio / (1.0 + law.ratio)
+    bounds = decomposition.plan.parameters.error_estimate
+    area = np.maximum(state.area[closed], np.finfo(float).tiny)
+    finest = min(np.prod(grid.spacing) for grid in (decomposition.hm, decomposition.solved))
+    resolved = np.maximum(area / finest, bounds.fewest_pixels)
+    above = (summits.height - summits.peaks.height)[closed] / depth
     found = (
         coarse,
         np.sqrt(np.sum(share[outgrown] ** 2)),
-        nonrandom * np.sum(share * np.abs(table.spread_at(closed, depth))),
+        nonrandom * np.sum(share * spread),
         taken * few,
         taken * coarse,
         few * long,
         crowding,
         long * crowding,
         few * np.sqrt(crowding),
+        _on_flat_tops(decomposition, closed, share, area, spread),
+        _cut_by_border(decomposition, closed, share, area) ** 2,
+        (share @ (spread >= bounds.unsure_error)) ** 2,
+        share @ np.maximum(1.0 / resolved - 1.0 / bounds.resolved_pixels, 0.0),
+        max(share @ np.clip(above, 0.0, 1.0) - bounds.usual_overshoot, 0.0),
     )
-    return {name: float(value) for name, value in zip(TERMS, found, strict=True)}
+    names = (*TERMS, *OUTSIDE_MODEL)
+    return {name: float(value) for name, value in zip(names, found, strict=True)}
+
+
+def _on_flat_tops(
+    decomposition: Decomposition, closed: NDArray[np.intp], share: Array, area: Array, spread: Array
+) -> float:
+    """Share of the load on flat tops, less a part of it if these are pressed alone."""
+    bounds, summits = decomposition.plan.parameters.error_estimate, decomposition.summits
+    spans = decomposition.top_areas[closed]
+    tops = np.minimum(spans, area)
+    flat = float(share @ (tops / area))
+    if flat > 0.0:
+        alone = (summits.dip[closed] > summits.peaks.min_prominence) & (spread == EXPECTED_ERROR)
+        alone &= spans < bounds.wide_top * decomposition.hm.area
+        flat *= 1.0 - bounds.pressed * float(tops @ alone / tops.sum())
+    return flat
+
+
+def _cut_by_border(
+    decomposition: Decomposition, closed: NDArray[np.intp], share: Array, area: Array
+) -> float:
+    """Share of the load on contacts that the border of a finite punch cuts."""
+    if decomposition.plan.boundary != "free":
+        return 0.0
+    places = (at[closed] for at in decomposition.places)
+    sides = [
+        np.minimum(at, size - at) - 0.5 * step  # distance to the outermost points of the map
+        for at, size, step in zip(
+            places, decomposition.hm.size, decomposition.hm.spacing, strict=True
+        )
+    ]
+    inside = np.clip(np.minimum(*sides) / np.sqrt(area / np.pi), 0.0, 1.0)
+    return float(share @ (1.0 - inside))
 
 
 def nonrandomness(hm: HeightMap) -> float:
@@ -147,65 +207,3 @@ def estimate(
     inside = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
     outside = sum(getattr(fitted, name) * values.get(name, 0.0) for name in OUTSIDE_MODEL)
     return np.asarray(left * inside + outside)
-
-
-def outside_model_terms(decomposition: Decomposition, state: PopulationState) -> dict[str, float]:
-    """Terms of contacts outside the model or not resolved by the map, zero or more.
-
-    Returns
-    -------
-    flat_tops
-        Share of the load on flat tops and ridges: that of each contact times the part of its area
-        that is a flat top. The term is smaller if these tops are pressed alone.
-    at_border
-        Square of the share of the load on contacts that the border of a finite punch cuts, each by
-        the part of its radius that is cut off: a few cut contacts among many do little harm.
-    unsure
-        Square of the share of the load on contacts whose law expects an error of `unsure_error` or
-        more.
-    unresolved
-        1/n - 1/`resolved_pixels`, zero or more, weighted by load, for contacts of n pixels; pixels
-        of the finer of both grids if the map is solved on another one.
-    overshoot
-        Height of summits above their highest pixels, over the approach and weighted by load, less
-        `usual_overshoot`: the map does not tell where spikes, cliffs and sharp edges end.
-    """
-    bounds = decomposition.plan.parameters.error_estimate
-    closed = np.flatnonzero(state.force > 0)
-    if not closed.size:
-        return dict.fromkeys(OUTSIDE_MODEL, 0.0)
-    share = state.force[closed] / state.force.sum()
-    area = np.maximum(state.area[closed], np.finfo(float).tiny)
-    spread = np.abs(decomposition.population.table.spread_at(closed, state.approach[closed]))
-    spans = decomposition.top_areas[closed]
-    tops = np.minimum(spans, area)
-    flat = share @ (tops / area)
-    summits = decomposition.summits
-    if flat > 0.0:
-        alone = (summits.dip[closed] > summits.peaks.min_prominence) & (spread == EXPECTED_ERROR)
-        alone &= spans < bounds.wide_top * decomposition.hm.area
-        flat *= 1.0 - bounds.pressed * float(tops @ alone / tops.sum())
-    cut = 0.0
-    if decomposition.plan.boundary == "free":
-        places = (at[closed] for at in decomposition.places)
-        sides = [
-            np.minimum(at, size - at) - 0.5 * step  # distance to the outermost points of the map
-            for at, size, step in zip(
-                places, decomposition.hm.size, decomposition.hm.spacing, strict=True
-            )
-        ]
-        inside = np.clip(np.minimum(*sides) / np.sqrt(area / np.pi), 0.0, 1.0)
-        cut = share @ (1.0 - inside)
-    unsure = share @ (spread >= bounds.unsure_error)
-    pixels = area / min(np.prod(hm.spacing) for hm in (decomposition.hm, decomposition.solved))
-    unresolved = share @ np.maximum(
-        1.0 / np.maximum(pixels, bounds.fewest_pixels) - 1.0 / bounds.resolved_pixels, 0.0
-    )
-    above = (summits.height - summits.peaks.height)[closed] / state.approach[closed]
-    return {
-        "flat_tops": float(flat),
-        "at_border": float(cut**2),
-        "unsure": float(unsure**2),
-        "unresolved": float(unresolved),
-        "overshoot": max(float(share @ np.clip(above, 0.0, 1.0)) - bounds.usual_overshoot, 0.0),
-    }

@@ -18,7 +18,6 @@ from asperity.trust.error_estimate import (
     OUTSIDE_MODEL,
     TERMS,
     nonrandomness,
-    outside_model_terms,
     terms,
 )
 from surfaces import HeightMap, PowerLawProfile, resample, self_affine
@@ -85,12 +84,18 @@ def weak_point(unit=1.0, force=1.0):
         flags_at=lambda rows, depth: np.array([Flag.BEYOND_RADIUS, Flag.FILLED, 0])[rows],
         spread_at=lambda rows, depth: np.array([-0.1, 0.3, 9.0])[rows],
     )
+    hm = HeightMap(unit * LINES, (2.0 * unit, 1.0 * unit), periodic=True)
     decomposition = SimpleNamespace(
-        hm=HeightMap(unit * LINES, (2.0 * unit, 1.0 * unit), periodic=True),
-        plan=SimpleNamespace(resampled=None, sub_contact_law=None, parameters=DEFAULTS),
+        hm=hm,
+        solved=hm,
+        plan=SimpleNamespace(sub_contact_law=None, boundary="periodic", parameters=DEFAULTS),
         population=SimpleNamespace(table=table),
-        material=SimpleNamespace(m=-0.3),
-        summits=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
+        summits=SimpleNamespace(
+            curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit,
+            height=unit * np.array([1.06, 1.01, 1.0]),
+            peaks=SimpleNamespace(height=unit * np.ones(3)),
+        ),
+        top_areas=np.zeros(3),
     )
     state = SimpleNamespace(
         force=force * np.array([3.0, 1.0, 0.0]),
@@ -105,7 +110,7 @@ def weak_point(unit=1.0, force=1.0):
 def test_terms_of_two_contacts():
     found = terms(*weak_point())
     share, area = np.array([0.75, 0.25]), 24.0
-    assert set(found) == set(TERMS)
+    assert list(found) == [*TERMS, *OUTSIDE_MODEL]
     few, spread = np.hypot(*share), share @ [0.1, 0.3]
     coarse = np.sqrt(2.0 / (share @ [4.0, 2.0]))
     long, crowding = 0.75 * np.log(2.0), 6.0 / area
@@ -119,6 +124,11 @@ def test_terms_of_two_contacts():
         "crowding": crowding,
         "long_crowding": long * crowding,
         "few_crowded": few * np.sqrt(crowding),
+        "flat_tops": 0.0,
+        "at_border": 0.0,
+        "unsure": 0.0,
+        "unresolved": share @ [1 / 2, 1] - 1 / FITTED.resolved_pixels,
+        "overshoot": share @ [0.3, 0.1] - FITTED.usual_overshoot,
     }
     assert found == pytest.approx(expected)
 
@@ -130,11 +140,11 @@ def test_terms_have_no_units():
 def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solved():
     decomposition, state, odd = weak_point()
     decomposition.plan.sub_contact_law = SimpleNamespace(ratio=3.0)
-    decomposition.solved = decomposition.hm
     decomposition.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
     found, whole = terms(decomposition, state, odd), terms(*weak_point())
     few, coarse = np.hypot(0.75, 0.25), whole["coarse_contacts"]
     expected = {**whole, "few_taken_out": 0.75 * few, "coarse_taken_out": 0.75 * coarse}
+    expected["unresolved"] = 0.0  # pixels of the finer map
     assert found == pytest.approx(expected)
 
 
@@ -172,7 +182,7 @@ def test_a_single_wave_touches_along_all_of_its_ridge():
     np.testing.assert_allclose(area, exact, rtol=0.15)
     assert not curve.converged.any() and all("overlap end to end" in why for why in curve.reasons)
     for state in states:
-        assert outside_model_terms(run.decomposition, state)["flat_tops"] == pytest.approx(1.0)
+        assert terms(run.decomposition, state, 0.0)["flat_tops"] == pytest.approx(1.0)
     assert np.isnan(curve.error_estimate).all()  # of such a lay it is not known
 
 
@@ -284,9 +294,8 @@ def test_contacts_that_lost_their_area_are_judged():
     hm = waves()
     run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[:1])
     vars(run.points[0].state)["area"] = np.zeros(len(run.decomposition.population))
-    assert np.isfinite(
-        list(outside_model_terms(run.decomposition, run.points[0].state).values())
-    ).all()
+    found = terms(run.decomposition, run.points[0].state, 0.0)
+    assert np.isfinite(list(found.values())).all()
 
 
 def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
@@ -297,9 +306,8 @@ def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
     table.held.spread[table.place[force.argmax()]] = 1.0
     share = force.max() / force.sum()
     assert share < 0.8
-    assert outside_model_terms(run.decomposition, run.points[0].state)["unsure"] == pytest.approx(
-        share**2
-    )
+    found = terms(run.decomposition, run.points[0].state, 0.0)
+    assert found["unsure"] == pytest.approx(share**2)
 
 
 @pytest.mark.parametrize("height", [4.0, 6.0])
