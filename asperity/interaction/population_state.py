@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,12 +134,6 @@ class Continuation:
     heaviest: tuple[float, float] | None = None
     solution: Solution | None = None
     slope: float = math.nan
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickle without the candidates, which the next solve lists anew, and with the numbers of
-        the tangent in place of its matrix."""
-        solution = None if self.solution is None else self.solution.without_matrix()
-        return vars(self) | {"candidates": None, "solution": solution}
 
     def without_contacts(self) -> Continuation:
         """The continuation for a next solve that makes a new list of candidates."""

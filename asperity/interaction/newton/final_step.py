@@ -100,11 +100,6 @@ class Solution:
         assert state is not None
         return tangent_response(tangent_of(state), state, self.shares)[:2]
 
-    def without_matrix(self) -> Solution:
-        """The solution with the numbers of its tangent, without the state to solve them from."""
-        slope, shares = self.tangent
-        return replace(self, slope=slope, shares=shares, linearized=None)
-
 
 def finished(state: State, found: Solution, load: float, tolerance: float) -> Solution:
     """The solution after one more Newton step from `state`, brought to the `load` [N].
