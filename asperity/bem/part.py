@@ -29,44 +29,36 @@ class SolvedPart:
 
     Attributes
     ----------
-    heights, pressure, displacement
-        Heights about the mean of the map [m], contact pressure [Pa], and displacement by the
-        pressure on the whole map [m], shape (ny, nx).
-    spacing
-        Pixel size (dy, dx) [m].
+    hm
+        Heights of the part about the mean of the map.
+    pressure, displacement
+        Contact pressure [Pa], and displacement by the pressure on the whole map [m], shape
+        (ny, nx).
     material
         Half-space that is pressed.
     """
 
-    heights: Array
+    hm: HeightMap
     pressure: Array
     displacement: Array
-    spacing: tuple[float, float]
     material: HalfSpace
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Points (ny, nx) of the part."""
-        ny, nx = self.heights.shape
-        return ny, nx
 
     @property
     def contact_area(self) -> float:
         """Corrected contact area [m^2]."""
         hardness = self.material.hardness
-        _, area, _ = read_contact(
-            self.pressure, self.spacing, self.shape[1], hardness, periodic=True
-        )
+        (_, nx), spacing = self.hm.shape, self.hm.spacing
+        _, area, _ = read_contact(self.pressure, spacing, nx, hardness, periodic=True)
         return area
 
     def alone(self) -> HeightMap:
         """The part as a periodic cell: under its own load it bears the pressures, and is separated,
         as on the whole map, whose other pressures lower its heights by what they displace."""
-        exact = HalfSpaceOperator(self.shape, self.spacing, self.material)
-        ny, nx = self.shape
+        exact = HalfSpaceOperator(self.hm.shape, self.hm.spacing, self.material)
+        ny, nx = self.hm.shape
         exact.pressure[:, :nx] = exact.compliance * self.pressure
         own = exact.apply()[:ny, :nx]
-        return HeightMap(self.heights - (self.displacement - own), self.spacing)
+        return self.hm.replace(heights=self.hm.heights - (self.displacement - own))
 
 
 def solved_part(problem: ContactProblem) -> SolvedPart:
@@ -81,9 +73,8 @@ def solved_part(problem: ContactProblem) -> SolvedPart:
         lines.append((first + np.arange(count)) % n)
     part = np.ix_(*lines)
     return SolvedPart(
-        hm.heights[part] - hm.roughness.mean,
+        HeightMap(hm.heights[part] - hm.roughness.mean, hm.spacing),
         problem.finest.pressure[part] / problem.compliance,
         exact.displacement[part] * problem.unit,
-        hm.spacing,
         problem.material,
     )

@@ -154,7 +154,7 @@ def refined_run(
     if not solved:
         return None
     load, area = np.expm1(between_grids(solved, REFINED_ACCURACY))
-    ny, nx = solved[0].part.shape
+    ny, nx = solved[0].part.hm.shape
     return structured(
         {
             "mean_pressure": np.array([point.mean_pressure for point in solved]),

@@ -203,7 +203,7 @@ def resolution(hm: HeightMap, solved: SolvedLoads) -> Resolution:
         return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
     shares = (f"{x:.0%}" if x < 1 else "all" for x in (load, area))
     warning = CURE.format("{} of the load and {} of the contact area".format(*shares))
-    ny, nx = point.part.shape
+    ny, nx = point.part.hm.shape
     where = f"of {ny} x {nx} points about the highest one"
     told = f"{held}; {len(solved.kept)} loads solved on a grid twice as fine as that {where}"
     large = load > FITTED.large[0] or area > FITTED.large[1]

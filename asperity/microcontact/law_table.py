@@ -228,6 +228,7 @@ class LazyTable:
             yield part, self.laws(part)
 
     def laws(self, rows: Rows) -> LawTable:
+        """The laws of some contacts, in that order; those that are missing are made."""
         missing = rows[~self.ready[rows]]
         if missing.size:
             block = self.make(missing)

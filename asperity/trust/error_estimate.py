@@ -129,24 +129,23 @@ def terms(
     finest = min(np.prod(grid.spacing) for grid in (decomposition.hm, decomposition.solved))
     resolved = np.maximum(area / finest, bounds.fewest_pixels)
     above = (summits.height - summits.peaks.height)[closed] / depth
-    found = (
-        coarse,
-        np.sqrt(np.sum(share[outgrown] ** 2)),
-        nonrandom * np.sum(share * spread),
-        taken * few,
-        taken * coarse,
-        few * long,
-        crowding,
-        long * crowding,
-        few * np.sqrt(crowding),
-        _on_flat_tops(decomposition, closed, share, area, spread),
-        _cut_by_border(decomposition, closed, share, area) ** 2,
-        (share @ (spread >= bounds.unsure_error)) ** 2,
-        share @ np.maximum(1.0 / resolved - 1.0 / bounds.resolved_pixels, 0.0),
-        max(share @ np.clip(above, 0.0, 1.0) - bounds.usual_overshoot, 0.0),
-    )
-    names = (*TERMS, *OUTSIDE_MODEL)
-    return {name: float(value) for name, value in zip(names, found, strict=True)}
+    found = {
+        "coarse_contacts": coarse,
+        "scatter": np.sqrt(np.sum(share[outgrown] ** 2)),
+        "odd_spread": nonrandom * np.sum(share * spread),
+        "few_taken_out": taken * few,
+        "coarse_taken_out": taken * coarse,
+        "few_elongated": few * long,
+        "crowding": crowding,
+        "long_crowding": long * crowding,
+        "few_crowded": few * np.sqrt(crowding),
+        "flat_tops": _on_flat_tops(decomposition, closed, share, area, spread),
+        "at_border": _cut_by_border(decomposition, closed, share, area) ** 2,
+        "unsure": (share @ (spread >= bounds.unsure_error)) ** 2,
+        "unresolved": share @ np.maximum(1.0 / resolved - 1.0 / bounds.resolved_pixels, 0.0),
+        "overshoot": max(share @ np.clip(above, 0.0, 1.0) - bounds.usual_overshoot, 0.0),
+    }
+    return {name: float(value) for name, value in found.items()}
 
 
 def _on_flat_tops(

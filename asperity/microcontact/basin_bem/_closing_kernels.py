@@ -91,19 +91,22 @@ def _level(count, bound, pressure, residual):
 @inner(fastmath=True)
 def _start(count, overlap, load, bound, pressure):
     """Pressures of a paraboloid; under a load cut at the bound, and scaled to the load."""
-    scale, lift = 4.0 / math.pi * math.sqrt(2.0 * math.pi / count), 1.0
-    if load > 0.0:
-        low, high, lift = 0.0, 2.0 * max(bound, load), 0.0
-        for _ in range(40):
-            scale, total = 0.5 * (low + high), 0.0
-            for i in range(count):
-                total += min(scale * math.sqrt(max(overlap[i], 0.0)), bound)
-            if total < load:
-                low = scale
-            else:
-                high = scale
+    if load <= 0.0:
+        scale = 4.0 / math.pi * math.sqrt(2.0 * math.pi / count)
+        for i in range(count):
+            pressure[i] = scale * math.sqrt(max(2.0 * overlap[i] - 1.0, 0.0))
+        return
+    low, high = 0.0, 2.0 * max(bound, load)
+    for _ in range(40):
+        scale, total = 0.5 * (low + high), 0.0
+        for i in range(count):
+            total += min(scale * math.sqrt(max(overlap[i], 0.0)), bound)
+        if total < load:
+            low = scale
+        else:
+            high = scale
     for i in range(count):
-        pressure[i] = min(scale * math.sqrt(max((1.0 + lift) * overlap[i] - lift, 0.0)), bound)
+        pressure[i] = min(high * math.sqrt(max(overlap[i], 0.0)), bound)
 
 
 @inner(fastmath=True)

@@ -42,4 +42,4 @@ def test_a_part_of_a_shorter_side_takes_all_of_it():
     hm = surfaces.self_affine((24, 200), (24.0, 200.0), hurst=0.8, rms_slope=0.1, seed=1)
     seen = []
     bem_curve(hm, HalfSpace.from_modulus(1.0), pressures=[1e-3], progress=seen.append)
-    assert seen[0].part.shape == (24, part.POINTS)
+    assert seen[0].part.hm.shape == (24, part.POINTS)

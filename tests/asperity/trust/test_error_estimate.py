@@ -14,12 +14,7 @@ import asperity
 from asperity.errors import Flag, ModelRangeError
 from asperity.halfspace.load_points import default_pressures, pressure_scale
 from asperity.parameters import DEFAULTS
-from asperity.trust.error_estimate import (
-    OUTSIDE_MODEL,
-    TERMS,
-    nonrandomness,
-    terms,
-)
+from asperity.trust.error_estimate import OUTSIDE_MODEL, TERMS, nonrandomness, terms
 from surfaces import HeightMap, PowerLawProfile, resample, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
