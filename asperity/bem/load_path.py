@@ -121,6 +121,8 @@ class LoadPath:
         Relative errors allowed in load and area. If the certificate allows larger errors, a load is
         solved again to a smaller tolerance, with which the next load begins. The first load begins
         with the tolerance that its coarser grid would need.
+    guess
+        Pressure [Pa] that the first load starts from in place of the coarser grids, if given.
 
     Notes
     -----
@@ -133,9 +135,14 @@ class LoadPath:
     does a step to more than `_LARGEST_RATIO` times the load, or a poor prediction.
     """
 
-    def __init__(self, problem: ContactProblem, accuracy: tuple[float, float] = NO_LIMIT) -> None:
+    def __init__(
+        self,
+        problem: ContactProblem,
+        accuracy: tuple[float, float] = NO_LIMIT,
+        guess: NDArray[np.float64] | None = None,
+    ) -> None:
         self.problem = problem
-        self._accuracy = accuracy
+        self._accuracy, self._guess = accuracy, guess
         self._tolerance = problem.tolerance
         self._old: tuple[NDArray[np.float32], ...] | None = None
         self._means = (0.0, 0.0)
@@ -164,7 +171,8 @@ class LoadPath:
             state = problem.finest.exact.pressure, problem.finest.exact.displacement
             self._old = tuple(field.astype(np.float32) for field in state) if near else None
         if solution is None:
-            coarse = problem.start(goal)
+            coarse = problem.start(goal, self._guess)
+            self._guess = None
             if coarse is not None and coarse.converged:
                 load_left = load_error(problem, coarse)
                 self._needed_tolerance(coarse, load_left, AREA_OVER_LOAD_ERROR * load_left, 0.0)

@@ -232,6 +232,7 @@ def between_grids(points: Sequence[SolvedLoad], accuracy: float) -> Array:
             pressures=pressure,
             accuracy=accuracy,
             boundary="periodic",
+            guess=part.pressure.repeat(2, axis=0).repeat(2, axis=1),
         )
         rate = 0.0 if math.isinf(stiffness) else stiffness / point.mean_pressure
         load = rate * (point.separation - own.roughness.mean - fine.separation)
