@@ -65,7 +65,7 @@ def main(args: argparse.Namespace) -> None:
     for name, hm, body in scenes(args):
         plan = asperity.make_plan(hm, body)
         loads = default_pressures(hm, body, args.loads)
-        seconds = forecast(hm, body, plan, args.loads)
+        seconds = forecast(hm, body, plan.boundary, args.loads, plan)
         if not can_sample(hm, body, plan, Accuracy()):
             del seconds["sampled"]
         spent, told = {}, []

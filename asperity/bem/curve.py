@@ -36,7 +36,6 @@ from .load_path import NO_LIMIT, LoadPath, follow_chains, split_loads, stopping
 from .memory import fits
 from .part import SolvedPart, solved_part
 from .problem import ContactProblem
-from .solution import BemSolution, given_pressure
 
 __all__ = ["SolvedLoad", "bem_curve"]
 
@@ -99,7 +98,6 @@ def bem_curve(
     tolerance: float = 1e-6,
     boundary: str | None = None,
     accuracy: float | tuple[float, float] | None = None,
-    guess: BemSolution | ArrayLike | None = None,
     progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
@@ -117,8 +115,6 @@ def bem_curve(
     accuracy
         Relative error allowed in load and corrected area [-], 1e-4 to 0.2, or one for each, in
         place of a tolerance: each load is solved until its certificate bounds the error by that.
-    guess
-        Start of the lightest load, as in `bem_solve`.
     progress
         True for a progress bar, or a function called with every finished load point
         (`SolvedLoad`), with its contact map; one call at a time.
@@ -164,7 +160,6 @@ def bem_curve(
         allowed = _require_accuracy(accuracy)
         asked |= {"accuracy": allowed[0] if allowed[0] == allowed[1] else [*allowed]}
         tolerance = _LOOSEST
-    start = None if guess is None else given_pressure(guess, hm.shape)
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
     chains = split_loads(_shares(kind, values[order]), hm.heights.size)
     together = len(chains) > 1 and thread_count() > 1 and fits(hm.shape, boundary, len(chains))
@@ -202,8 +197,7 @@ def bem_curve(
         )
 
     def follow(chain: range, stop: threading.Event) -> None:
-        first = chain.start == 0
-        path = LoadPath(problem if first else problems[-1], allowed, start if first else None)
+        path = LoadPath(problems[-1] if chain.start else problem, allowed)
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return

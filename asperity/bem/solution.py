@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from asperity.errors import InputError
 from asperity.halfspace.load_points import Boundary
 from surfaces.drawing import draw_field
 from surfaces.heightmap import HeightMap
@@ -22,7 +21,7 @@ from .certificate import Certificate
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["BemSolution", "contours", "given_pressure", "read_contact"]
+__all__ = ["BemSolution", "contours", "read_contact"]
 
 AREA_FACTOR = (math.pi - 1.0 + math.log(2.0)) / 24.0
 """Correction of the contact area per edge pixel (Yastrebov, Anciaux, Molinari 2017)."""
@@ -238,16 +237,3 @@ def contours(contact: NDArray[np.bool_], spacing: tuple[float, float]) -> list[N
     )
     scale = np.array([spacing[1], spacing[0]])
     return [(outline[:, 0, :] + 0.5) * scale for outline in found]
-
-
-def given_pressure(
-    guess: BemSolution | ArrayLike, shape: tuple[int, int]
-) -> NDArray[np.float64] | None:
-    """Pressure of a guess, checked; None if nothing is pressed there."""
-    try:
-        given = guess.pressure if isinstance(guess, BemSolution) else np.asarray(guess, np.float64)
-    except (TypeError, ValueError):  # no numbers
-        given = np.empty(0)
-    if given.shape != shape or not np.isfinite(given).all():
-        raise InputError(f"guess has shape {given.shape}; give finite pressures of shape {shape}")
-    return given if (given > 0.0).any() else None

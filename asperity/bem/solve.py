@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import cautious, warn_once
+from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.load_points import checked_load, expected_area_fraction, require_scene
 from asperity.halfspace.material import HalfSpace
@@ -16,7 +16,7 @@ from surfaces.heightmap import HeightMap
 from .answer import answer
 from .correction import PressureOrigin
 from .problem import ContactProblem
-from .solution import BemSolution, given_pressure
+from .solution import BemSolution
 
 __all__ = ["bem_solve"]
 
@@ -93,7 +93,7 @@ def bem_solve(
     goal = problem.prescribed(kind, load)
     prepared = time.perf_counter()
     touches = problem.touches(goal)
-    start = given_pressure(guess, hm.shape) if touches and guess is not None else None
+    start = _given(guess, hm.shape) if touches and guess is not None else None
     coarse = problem.start(goal, start)
     middle = time.perf_counter()
     origin = PressureOrigin.PROLONGED if touches and start is None else PressureOrigin.GIVEN
@@ -134,3 +134,14 @@ def bem_solve(
         settings={**problem.settings(), "warnings": warnings},
         **told,
     )
+
+
+def _given(guess: BemSolution | ArrayLike, shape: tuple[int, int]) -> NDArray[np.float64] | None:
+    """Pressure of a guess, checked; None if nothing is pressed there."""
+    try:
+        given = guess.pressure if isinstance(guess, BemSolution) else np.asarray(guess, np.float64)
+    except (TypeError, ValueError):  # no numbers
+        given = np.empty(0)
+    if given.shape != shape or not np.isfinite(given).all():
+        raise InputError(f"guess has shape {given.shape}; give finite pressures of shape {shape}")
+    return given if (given > 0.0).any() else None

@@ -11,6 +11,7 @@ from asperity.parameters import DEFAULTS
 from .parts import parts_along, statistically_homogeneous
 
 if TYPE_CHECKING:
+    from asperity.halfspace.load_points import Boundary
     from asperity.halfspace.material import HalfSpace
     from asperity.model.plan import Plan
     from surfaces.heightmap import HeightMap
@@ -20,26 +21,30 @@ __all__ = ["can_anchor", "cheapest", "forecast"]
 FITTED = DEFAULTS.run_times
 
 
-def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict[str, float]:
+def forecast(
+    hm: HeightMap, material: HalfSpace, boundary: Boundary, loads: int, plan: Plan | None = None
+) -> dict[str, float]:
     """Seconds of boundary elements at all loads ("bem"), and of the model with a few anchors
-    ("anchored") or checked on parts of the map ("sampled").
+    ("anchored") or checked on parts of the map ("sampled"): the least of any plan if None is given.
 
     Notes
     -----
     Parts are periodic and elastic, whatever the map is.
     """
-    points, side = math.prod(hm.shape), parts_along(hm, plan.solved(hm))
-    peaks = peaks_above(plan.solved(hm), plan.above)
-    model = FITTED.model[0] + FITTED.model[1] * peaks
+    points, model, parts = math.prod(hm.shape), FITTED.model[0], 0.0
     fine = 1.0 + (peaks_above(hm, None) / (FITTED.fine * points)) ** 2
-    dearer = fine * (FITTED.free if plan.boundary == "free" else 1.0)
+    dearer = fine * (FITTED.free if boundary == "free" else 1.0)
     dearer *= FITTED.yielded if material.hardness < math.inf else 1.0
+    if plan is not None:
+        solved = plan.solved(hm)
+        side = parts_along(hm, solved)
+        model += FITTED.model[1] * peaks_above(solved, plan.above)
+        parts = FITTED.parts * side * _curve(points / side**2, DEFAULTS.parts.loads, fine)
     each = FITTED.bem[2] * dearer * _unit(points)
-    part = _curve(points / side**2, DEFAULTS.parts.loads, fine)
     return {
         "bem": _curve(points, loads, dearer),
         "anchored": model + FITTED.bem[0] + each * min(FITTED.anchors, loads),
-        "sampled": FITTED.beside + model + FITTED.parts * side * part,
+        "sampled": FITTED.beside + model + parts,
     }
 
 

@@ -10,7 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.bem.curve import SolvedLoad, bem_curve
+from asperity.bem.answer import answer
+from asperity.bem.curve import SolvedLoad
+from asperity.bem.load_path import LoadPath
+from asperity.bem.problem import ContactProblem
 from asperity.halfspace.load_points import Boundary, closed_share
 from asperity.halfspace.material import HalfSpace
 from asperity.parameters import DEFAULTS
@@ -36,6 +39,9 @@ FITTED = DEFAULTS.pixel_uncertainty
 
 ACCURACY = 0.05
 """Accuracy in load and area of the solution on the finer grid."""
+
+FIRST_TOLERANCE = 1e-3
+"""Tolerance that a load on the finer grid is solved to first: most are then within `ACCURACY`."""
 
 NO_MAP = np.zeros((0, 0), np.bool_)
 
@@ -226,17 +232,16 @@ def between_grids(points: Sequence[SolvedLoad], accuracy: float) -> Array:
         own = part.alone()
         # by rounding it may exceed the hardness
         pressure = min(float(part.pressure.mean()), part.material.hardness)
-        fine = bem_curve(
-            resample(own, np.asarray(own.spacing) / 2),
-            part.material,
-            pressures=pressure,
-            accuracy=accuracy,
-            boundary="periodic",
-            guess=part.pressure.repeat(2, axis=0).repeat(2, axis=1),
+        fine = resample(own, np.asarray(own.spacing) / 2)
+        problem = ContactProblem(
+            fine, part.material, tolerance=FIRST_TOLERANCE, boundary="periodic"
         )
+        start = part.pressure.repeat(2, axis=0).repeat(2, axis=1)
+        path = LoadPath(problem, (accuracy, accuracy), start)
+        found = answer(problem, path.solve("pressure", pressure))
         rate = 0.0 if math.isinf(stiffness) else stiffness / point.mean_pressure
-        load = rate * (point.separation - own.roughness.mean - fine.separation)
-        area = np.log(part.contact_area / fine.contact_area)
-        return np.where(fine.converged, np.concatenate([load, area]), np.nan)
+        load = rate * (point.separation - own.roughness.mean - found["separation"])
+        area = math.log(part.contact_area / found["contact_area"])
+        return np.array([load, area]) if found["converged"] else np.full(2, np.nan)
 
     return np.reshape(parallel.apart(finer, points), (-1, 2)).T

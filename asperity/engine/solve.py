@@ -241,6 +241,11 @@ class _Scene:
         if engine == "auto" and verify and len(values) < least:
             return _Choice("bem", f"fewer than {least} load points", None)
         loads = self.loads(values)
+        scene = self.hm, self.material, self.boundary, len(values)
+        if engine == "auto" and verify and self.fits:
+            seconds = forecast(*scene)
+            if cheapest(seconds) == "bem":
+                return _Choice("bem", _told(seconds, "at least "), None)
         try:
             plan = make_plan(self.hm, self.material, boundary=self.boundary, **loads)
         except ModelRangeError as error:
@@ -259,13 +264,12 @@ class _Scene:
             return _Choice("sampled" if sampling else "model", why, plan)
         if engine != "auto":
             return _Choice(engine, "as asked", plan)
-        seconds = forecast(self.hm, self.material, plan, len(values))
+        seconds = forecast(*scene, plan)
         if not sampling:
             del seconds["sampled"]
         if not can_anchor(self.hm, plan):
             del seconds["anchored"]
-        each = (f"{value:.2g} s {WAYS[name]}" for name, value in seconds.items())
-        return _Choice(cheapest(seconds), f"forecast {', '.join(each)}", plan)
+        return _Choice(cheapest(seconds), _told(seconds), plan)
 
     @property
     def fits(self) -> bool:
@@ -312,6 +316,15 @@ class _Scene:
                 return UNTOLD
             self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
         return resolution(self.hm, self.solved)
+
+
+def _told(seconds: dict[str, float], least: str = "") -> str:
+    """The forecast in words; `least` is said of all engines but boundary elements."""
+    each = (
+        f"{'' if name == 'bem' else least}{value:.2g} s {WAYS[name]}"
+        for name, value in seconds.items()
+    )
+    return f"forecast {', '.join(each)}"
 
 
 def _marked(curve: ContactCurve, anchor: bool) -> ContactCurve:

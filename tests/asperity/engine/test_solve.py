@@ -155,12 +155,15 @@ def test_boundary_elements_alone_where_they_are_cheaper():
     """Small maps, and few loads; many loads of a large map are left to the model."""
     hm = waves()
     plan = make_plan(hm, BODY)
-    seconds = forecast(hm, BODY, plan, 10)
+    seconds = forecast(hm, BODY, "periodic", 10, plan)
     curve = solve(hm, BODY)
     assert seconds["bem"] < seconds["anchored"] and curve.settings["engine"] == "bem"
     assert curve.extra["anchor"].all() and len(curve.verification["anchors"]) == len(curve)
+    least = forecast(hm, BODY, "periodic", 10)
+    assert least["bem"] == seconds["bem"] and "at least" in curve.verification["reason"]
+    assert all(0.0 < least[name] < seconds[name] for name in ("anchored", "sampled"))
     large = waves(1024, cutoff=None, rolloff=256.0)
-    seconds = forecast(large, BODY, make_plan(large, BODY), 60)
+    seconds = forecast(large, BODY, "periodic", 60, make_plan(large, BODY))
     assert seconds["bem"] > max(seconds["anchored"], seconds["sampled"])
 
 
@@ -190,9 +193,12 @@ def test_where_anchors_fail_the_rest_is_solved_no_closer_than_asked():
 def test_forecast_knows_what_makes_boundary_elements_dearer():
     """Padded transforms on free maps, more steps under a hardness; parts are spared both."""
     hm, hard = waves(512), HalfSpace.from_modulus(1.0, hardness=0.02)
-    plans = [make_plan(hm, BODY, boundary=boundary) for boundary in ("periodic", "free")]
-    plain, free = (forecast(hm, BODY, plan, 10) for plan in plans)
-    both = forecast(hm, hard, plans[1], 10)
+    borders = "periodic", "free"
+    plans = [make_plan(hm, BODY, boundary=border) for border in borders]
+    plain, free = (
+        forecast(hm, BODY, border, 10, plan) for border, plan in zip(borders, plans, strict=True)
+    )
+    both = forecast(hm, hard, "free", 10, plans[1])
     assert 1.5 < free["bem"] / plain["bem"] < 2.5 and 1.2 < both["bem"] / free["bem"] < 2.0
     assert plain["anchored"] < free["anchored"] < both["anchored"]
     assert plain["sampled"] == free["sampled"] == both["sampled"]
@@ -203,7 +209,7 @@ def test_many_small_contacts_take_boundary_elements_longer():
     maps of 1536^2 were left to boundary elements where parts take half of their time."""
     shapes = {"hurst": 0.3, "cutoff": None}, {"hurst": 0.5, "cutoff": None}, {"cutoff": 8.0}
     maps = [waves(512, **shape) for shape in shapes]
-    rough, medium, smooth = (forecast(hm, BODY, make_plan(hm, BODY), 10)["bem"] for hm in maps)
+    rough, medium, smooth = (forecast(hm, BODY, "periodic", 10)["bem"] for hm in maps)
     assert 1.8 < rough / smooth < 2.8 and 1.4 < medium / smooth < rough / smooth
 
 
@@ -211,7 +217,7 @@ def test_parts_are_taken_where_the_model_solves_the_map_as_it_is():
     """Its time follows the peaks that may touch: by points boundary elements seemed cheaper, which
     take twice as long here and eight times at 4096^2."""
     fine, coarse = waves(1536, cutoff=8.0, rolloff=60.0), waves(1536, cutoff=16.0, rolloff=60.0)
-    many, few = (forecast(hm, BODY, make_plan(hm, BODY), 10) for hm in (fine, coarse))
+    many, few = (forecast(hm, BODY, "periodic", 10, make_plan(hm, BODY)) for hm in (fine, coarse))
     assert many["sampled"] < min(many["bem"], many["anchored"])
     assert few["bem"] == pytest.approx(many["bem"], rel=0.02) and few["anchored"] < many["anchored"]
 
