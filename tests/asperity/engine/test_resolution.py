@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +10,7 @@ import pytest
 import surfaces
 from asperity import HalfSpace, bem_curve, solve
 from asperity.bem import part
+from asperity.bem.answer import answer
 from asperity.engine import resolution
 from asperity.engine.resolution import FITTED, narrow_share, opened_share
 from asperity.halfspace.load_points import closed_share, default_pressures
@@ -173,15 +173,14 @@ def test_a_contact_without_elastic_energy_is_answered():
 
 
 def test_a_load_that_does_not_converge_on_a_finer_grid_leaves_an_unknown_part_open(monkeypatch):
-    def stalled(hm, *args, **settings):
-        curve = bem_curve(hm, *args, **settings)
-        return replace(curve, converged=np.zeros(len(curve), bool))
+    def stalled(*solution):
+        return {**answer(*solution), "converged": False}
 
     hm = waves(None)
     loads = default_pressures(hm, BODY, 3)
     solved = resolution.SolvedLoads(BODY, "periodic", "pressure", loads)
     bem_curve(hm, BODY, pressures=loads[:1], progress=solved)
-    monkeypatch.setattr(resolution, "bem_curve", stalled)
+    monkeypatch.setattr(resolution, "answer", stalled)
     found = resolution.resolution(hm, solved)
     assert np.isnan([found.load, found.area]).all()
     assert "did not converge" in found.told_by and "an unknown part" in found.warnings[0]
