@@ -86,7 +86,7 @@ def digits_warning(largest: float, rms_height: float) -> list[str]:
 
 def unit_warning(slope: float) -> list[str]:
     """A slope that no measured surface has: heights or pixels in another unit than stated."""
-    if SLOPES[0] < slope < SLOPES[1]:
+    if not (slope <= SLOPES[0] or slope >= SLOPES[1]):  # nor where it is not known, NaN
         return []
     return [f"the rms slope is {slope:.2g}: check the unit of the heights and the pixel size"]
 

@@ -37,6 +37,7 @@ __all__ = [
     "checked_range",
     "checked_spacing",
     "checked_span",
+    "require_kind",
     "require_texts",
     "shown",
 ]
@@ -147,6 +148,12 @@ def shown(value: Any) -> str:
     """What was given, by a caller or a file, on one line of a message and short."""
     text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def require_kind(value: object, kind: type, source: str) -> None:
+    """Refuse what is no object of a kind, and say how to make one."""
+    if not isinstance(value, kind):
+        raise InputError(f"{kind.__name__} is needed, not {shown(value)}: {source}")
 
 
 def require_texts(**given: Any) -> None:

@@ -22,7 +22,7 @@ from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 
 from .drawing import draw_field, figure_height, prefixed_unit, thinning
-from .errors import InputError, as_count
+from .errors import InputError, as_count, require_kind
 from .heightmap import HeightMap, require_map
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
@@ -73,10 +73,12 @@ def plot_spectrum(spectrum: Spectrum, fit: SpectrumFit | None = None) -> Figure:
     >>> figure.axes[0].get_xscale()
     'log'
     """
+    require_kind(spectrum, Spectrum, "surfaces.power_spectrum(hm)")
+    if fit is not None:
+        require_kind(fit, SpectrumFit, "surfaces.fit_spectrum(spectrum)")
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.add_subplot()
-    floor = spectrum.density.max() * 1e-14
-    seen = spectrum.density > floor
+    seen = spectrum.seen
     axes.loglog(spectrum.q[seen], spectrum.density[seen], "o", ms=3.5, color=_INK, label="rings")
     if fit is not None:
         label = f"fit, H = {fit.hurst:.2f} $\\pm$ {fit.hurst_error:.2g}"
@@ -125,6 +127,8 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     >>> len(figure.axes)
     2
     """
+    require_kind(profiles, Profiles, "surfaces.fit_profiles(hm, peaks)")
+    require_kind(chosen, Iterable, "the numbers of some peaks")
     indices = [as_count("a chosen peak", index, 0) for index in chosen][:9]
     if max(indices, default=-1) >= len(profiles):
         raise InputError(f"there is no peak {max(indices)} among the {len(profiles)}, from 0 on")
@@ -166,6 +170,7 @@ def plot_bearing(curve: BearingCurve) -> Figure:
     >>> len(figure.axes) > 0
     True
     """
+    require_kind(curve, BearingCurve, "surfaces.bearing_curve(hm)")
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
     axes = figure.add_subplot()
     scale, unit = prefixed_unit(float(np.abs(curve.height).max()), "m")
@@ -191,6 +196,7 @@ def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     >>> len(figure.axes) > 0
     True
     """
+    require_kind(correlation, Autocorrelation, "surfaces.autocorrelation(hm)")
     stride = thinning(correlation.value.shape)
     lag_y, lag_x = correlation.lag_y[::stride], correlation.lag_x[::stride]
     value, (length_y, length_x) = correlation.value[::stride, ::stride], correlation.size

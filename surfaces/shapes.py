@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError
+from .errors import InputError, as_count, as_number
 from .polar import PowerLawProfile, PowerSumProfile
 
 __all__ = [
@@ -39,7 +39,7 @@ def polygon(sides: int, k: float = 1.0, *, scale: float = 1.0) -> PowerLawProfil
     scale
         Gap [m^(1-k)] at r = 1 on a face normal.
     """
-    _sides(sides)
+    sides = _sides(sides)
     return PowerLawProfile(
         k, lambda phi: scale * np.cos(_from_face(phi, sides)) ** k, corners=_corners(sides)
     )
@@ -50,7 +50,7 @@ def cosine_polygon(sides: int, k: float = 1.0) -> PowerLawProfile:
 
     Its level lines are polygons for k = 1 only; otherwise their sides are curved.
     """
-    _sides(sides)
+    sides = _sides(sides)
     return PowerLawProfile(k, lambda phi: np.cos(_from_face(phi, sides)), corners=_corners(sides))
 
 
@@ -71,8 +71,8 @@ def rounded_polygon(sides: int, k: float = 1.0, *, corner: float = 0.3) -> Power
     InputError
         If `sides` is below 3, or `corner` not between 0 and 1.
     """
-    _sides(sides)
-    if not 0 <= corner <= 1:
+    sides = _sides(sides)
+    if not 0 <= as_number("corner", corner) <= 1:
         raise InputError(f"corner must lie between 0 and 1, got {corner:g}")
     half = np.pi / sides
     straight = np.arctan((1 - corner) * np.tan(half))
@@ -110,7 +110,8 @@ def random_section(k: float = 1.0, *, deviation: float, seed: int = 0) -> PowerL
     InputError
         If psi would not stay positive.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(as_count("seed", seed, 0))
+    deviation = as_number("deviation", deviation)
     n = np.arange(2, 13)
     amplitude = rng.standard_normal(n.size) * n**-1.5
     amplitude *= deviation / np.sqrt(np.sum(amplitude**2) / 2)
@@ -130,8 +131,8 @@ def random_polygon(k: float = 1.0, *, sides: int = 7, seed: int = 0) -> PowerLaw
     """Body whose level lines are a random convex polygon: ``psi = max_j cos(phi-phi_j)/l_j``."""
     from scipy.spatial import ConvexHull
 
-    _sides(sides)
-    rng = np.random.default_rng(seed)
+    sides = _sides(sides)
+    rng = np.random.default_rng(as_count("seed", seed, 0))
     most = 0.3 if sides > 3 else 0.2  # less than half a turn between two faces: it is closed
     normal = (np.arange(sides) + rng.uniform(-most, most, sides)) * 2 * np.pi / sides
     distance = rng.uniform(0.8, 1.2, sides)
@@ -172,9 +173,12 @@ def deviation(profile: PowerLawProfile) -> float:
     return float(np.std(psi) / np.mean(psi))
 
 
-def _sides(sides: int) -> None:
-    if not 3 <= sides <= MOST_SIDES:
+def _sides(sides: int) -> int:
+    """The number of sides, checked."""
+    count = as_count("sides", sides, 0)
+    if not 3 <= count <= MOST_SIDES:
         raise InputError(f"a polygon has 3 to {MOST_SIDES} sides, got {sides}")
+    return count
 
 
 def _from_face(phi: ArrayLike, sides: int) -> Array:

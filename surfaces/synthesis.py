@@ -10,7 +10,7 @@ from typing import ParamSpec
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError, as_count, as_number, shown
+from .errors import InputError, as_count, as_number, as_numbers, shown
 from .heightmap import HeightMap, require_map
 from .random_waves import RandomWaves, checked_shape, checked_size
 
@@ -36,7 +36,9 @@ def synthesis(make: Callable[Arguments, HeightMap]) -> Callable[Arguments, Heigh
         given.arguments["size"] = checked_size(settings.pop("size"))
         for name, value in settings.items():
             if value is not None or signature.parameters[name].default is not None:
-                as_number(name, value)
+                # plain numbers: seeds are added to, and the history is kept in files
+                number = int(value) if isinstance(value, np.integer) else as_number(name, value)
+                settings[name] = given.arguments[name] = value if type(value) is int else number
         hm = make(*given.args, **given.kwargs)
         return hm.replace(history=({"step": make.__name__, **settings},))
 
@@ -173,9 +175,9 @@ def redistribute(
         )
     iterations = as_count("iterations", iterations, 1)
     n = hm.heights.size
-    levels = np.asarray(quantile((np.arange(n) + 0.5) / n), float)
-    if not (np.isfinite(levels).all() and (np.diff(levels) >= 0.0).all()):
-        raise InputError("the quantile function must give finite, increasing heights")
+    levels = as_numbers("what quantile gives", quantile((np.arange(n) + 0.5) / n))
+    if levels.shape != (n,) or not (np.diff(levels) >= 0.0).all():
+        raise InputError(f"quantile must give {n} increasing heights for {n} probabilities")
     amplitude = np.abs(np.fft.rfft2(hm.heights))
     amplitude *= levels.std() / hm.rms_height
     amplitude[0, 0] = abs(levels.sum())

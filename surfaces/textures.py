@@ -73,8 +73,7 @@ def plateau_honed(
     """
     if not 0.0 < plateau <= 1.0:
         raise InputError(f"plateau is {plateau}; it must be a fraction above 0, at most 1")
-    if not 0.0 <= fine < np.inf:
-        raise InputError(f"fine is {fine}; it must be a share of at least 0, and finite")
+    _check_share(fine)
     long = min(size) / 8.0 if rolloff is None else rolloff
     stretch = np.sqrt(_SCRATCH)  # the short wavelengths keep the roll-off asked for
     scratches = sum(
@@ -130,7 +129,7 @@ def ground(
     Raises
     ------
     InputError
-        If `rms_slope` is not positive or no wave fits the map.
+        If `length` is below 1, `fine` negative, `rms_slope` not positive, or no wave fits the map.
 
     Examples
     --------
@@ -140,15 +139,18 @@ def ground(
     '0.10'
     """
     long = min(size) / 8.0 if rolloff is None else rolloff
+    if not 1.0 <= length < np.inf:
+        raise InputError(f"length is {length}; it must be a ratio of at least 1, and finite")
+    _check_share(fine)
     stretch = np.sqrt(length)
     scratches = self_affine(
         shape, size, hurst=hurst, rms_height=1.0, rolloff=long * stretch, cutoff=cutoff * stretch,
         anisotropy=length, angle=angle, seed=seed + 1,
     )  # fmt: skip
     rough = self_affine(
-        shape, size, hurst=hurst, rms_height=fine, rolloff=long, cutoff=cutoff, seed=seed
+        shape, size, hurst=hurst, rms_height=1.0, rolloff=long, cutoff=cutoff, seed=seed
     )
-    heights = scratches.heights + rough.heights
+    heights = scratches.heights + fine * rough.heights
     return _finished(heights, size, cutoff, rms_slope, "ground")
 
 
@@ -187,7 +189,8 @@ def turned(
     Raises
     ------
     InputError
-        If the feed is not positive, the nose too sharp for it, or the roughness negative.
+        If the feed is not positive or below two points, the nose too sharp for it, or the roughness
+        negative.
 
     Examples
     --------
@@ -210,9 +213,15 @@ def turned(
             f"grooves that fit the cell are {width:g} m wide, more than twice the nose radius of "
             f"{nose_radius:g} m; take another feed or size"
         )
+    if 2 * count > shape[0]:
+        raise InputError(
+            f"feed is {feed:g} m, less than two of the {shape[0]} points over {size[0]:g} m: take "
+            "a larger feed or more points"
+        )
     y = (np.arange(shape[0]) + 0.5) * size[0] / shape[0]
     across = np.mod(y, width) - 0.5 * width
-    groove = nose_radius - np.sqrt(nose_radius**2 - across**2)
+    # R - sqrt(R^2 - y^2), without cancellation
+    groove = across**2 / (nose_radius + np.sqrt(nose_radius**2 - across**2))
     heights = np.repeat((groove - groove.mean())[:, None], shape[1], axis=1)
     if roughness > 0.0:
         heights = heights + self_affine(
@@ -260,7 +269,8 @@ def two_scale(
     Raises
     ------
     InputError
-        If the bands are not apart, a height is negative, or no wave fits into a band.
+        If the coarse waves are not the longer ones, a height is negative, or no wave fits into a
+        band.
 
     Examples
     --------
@@ -294,6 +304,12 @@ def two_scale(
             raise InputError(f"no wave fits between {width * short:g} and {short:g} m")
         heights += band * (rms / band.std())
     return _map(heights, size, "two_scale")
+
+
+def _check_share(fine: float) -> None:
+    """Refuse a relative rms height of the fine roughness that is none."""
+    if not 0.0 <= fine < np.inf:
+        raise InputError(f"fine is {fine}; it must be a share of at least 0, and finite")
 
 
 def _filtered(heights: Array, size: tuple[float, float], shortest: float, longest: float) -> Array:

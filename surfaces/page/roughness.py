@@ -41,9 +41,6 @@ BLUE, ORANGE = "#2f7fc1", "#d9622b"
 SIGNED = [f"{BLUE if i < 0 else ORANGE}{round(255 * abs(i) / 127):02x}" for i in range(-127, 128)]
 """Palette of fields with a sign: the more transparent, the nearer to nothing."""
 
-DENSITY_FLOOR = 1e-14
-"""Density over its largest below which a spectrum holds rounding alone."""
-
 
 def map_facts(hm: HeightMap) -> dict[str, str]:
     """Points, pixel, size and period, in words."""
@@ -107,7 +104,7 @@ def spectrum_lines(
     spectrum: Spectrum, fit: SpectrumFit | None, *, label: str = "map", color: str = BLUE
 ) -> list[Line]:
     """Density of the rings over the wave number, and the fitted model."""
-    seen = spectrum.density > spectrum.density.max() * DENSITY_FLOOR
+    seen = spectrum.seen
     lines = [_density(label, spectrum.q[seen], spectrum.density[seen], color=color, dash="")]
     if fit is not None:
         name = f"{label}: fit, H = {fit.hurst:.2f}{' (doubtful)' if fit.warnings else ''}"

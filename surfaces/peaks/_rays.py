@@ -17,6 +17,7 @@ from surfaces.numerics.vectors import multiply_add, store, where, whole
 from ._climb import FLATTEST, prefetch_block
 
 _BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
+_TIED = 1e-9  # share of the way from the start within which two pixels are equally near
 _TOGETHER = 64  # rays
 _CHUNK = 8  # groups of samples
 _RAY = np.dtype(
@@ -54,12 +55,12 @@ def _inside(value, center, n, inverse):
 
 @inner(forceinline=True, **BORROWING)
 def _along(start, way, r, n, inverse, margin):
-    """Coordinates [pixels] along an axis, kept in the map or its margin, and nearest pixels."""
+    """Coordinates [pixels] along an axis, kept in the map or its margin, and nearest pixels; of two
+    equally near ones that towards the start: rays of a mirrored map see the same pixels."""
     value = _least(multiply_add(r, way, splat(start)), splat(n + margin))
     value = -_least(-value, splat(margin))
-    value = _inside(value, value, n, inverse)
-    pixel = whole(value + 0.5)
-    return value, _inside(pixel, pixel + 0.5, n, inverse)
+    pixel = whole(value + 0.5 - _TIED * (value - start))
+    return _inside(value, value, n, inverse), _inside(pixel, pixel + 0.5, n, inverse)
 
 
 @inner(forceinline=True, **BORROWING)

@@ -17,6 +17,9 @@ __all__ = ["BearingCurve", "bearing_curve"]
 _CORE = 0.4
 """Share of the curve to which the line of the core is fitted (ISO 25178-2)."""
 
+_TIED = 1e-9
+"""Difference of falls of the curve, over its whole, that are equal but for rounding."""
+
 _PEAKS, _DALES = 0.1, 0.8
 """Material ratios between peaks and core, and core and dales, of volumes (ISO 25178-3)."""
 
@@ -76,7 +79,10 @@ class BearingCurve:
         and below the core.
         """
         span = round(_CORE * (len(self.ratio) - 1))
-        start = int(np.argmin(self.height[:-span] - self.height[span:]))
+        fall = self.height[:-span] - self.height[span:]
+        # the first of equal ones, as rounding of another unit must not choose
+        tied = fall.min() + _TIED * (self.height[0] - self.height[-1])
+        start = int(np.argmax(fall <= tied))
         part = slice(start, start + span + 1)
         weight = np.ones(span + 1)
         weight[[0, -1]] = np.sqrt(0.5)  # as in an integral: ends count half

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from surfaces.errors import require_kind
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import Transform, along_both
@@ -26,6 +27,9 @@ THRESHOLD = 0.2
 
 _ANGLES = 180
 """Directions in which the correlation length is read."""
+
+_TIED = 1e-9
+"""Relative difference of directions that are equal but for rounding: the first is the lay."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +74,8 @@ class Texture:
         Autocorrelation length Sal: the shortest shift that lowers the correlation to
         `THRESHOLD` [m].
     longest
-        The longest such shift [m]; of a correlation that stays above within half the map, that
-        half, and then `bounded` is True.
+        The longest such shift [m]; where the correlation stays above within half the map, the
+        longest shift there, and then `bounded` is True.
     aspect
         Texture aspect ratio Str, shortest over longest: near 1 isotropic, near 0 a lay [-].
     direction
@@ -160,13 +164,15 @@ def texture(correlation: Autocorrelation) -> Texture:
     >>> found.shortest < found.longest
     True
     """
+    require_kind(correlation, Autocorrelation, "surfaces.autocorrelation(hm)")
     lag_y, lag_x, value = correlation.lag_y, correlation.lag_x, correlation.value
     dy, dx = lag_y[1] - lag_y[0], lag_x[1] - lag_x[0]
-    reach = min(lag_y[-1], lag_x[-1])
-    steps = np.linspace(0.0, reach, 1 + round(2.0 * reach / min(dy, dx)))
     angles = np.arange(_ANGLES) * np.pi / _ANGLES
-    rows = (np.outer(np.sin(angles), steps) - lag_y[0]) / dy
-    columns = (np.outer(np.cos(angles), steps) - lag_x[0]) / dx
+    with np.errstate(divide="ignore"):  # each direction reaches to the border of half the map
+        reach = np.minimum(lag_y[-1] / np.sin(angles), lag_x[-1] / np.abs(np.cos(angles)))
+    steps = np.linspace(0.0, 1.0, 1 + round(2.0 * float(reach.max()) / min(dy, dx)))
+    rows = (np.outer(np.sin(angles) * reach, steps) - lag_y[0]) / dy
+    columns = (np.outer(np.cos(angles) * reach, steps) - lag_x[0]) / dx
     along = _read_at(value, rows.ravel(), columns.ravel()).reshape(rows.shape)
     for ray in along:  # across shifts without pairs; the correlation without shift is known
         known = np.isfinite(ray)
@@ -177,14 +183,18 @@ def texture(correlation: Autocorrelation) -> Texture:
     every = np.arange(_ANGLES)
     before, after = along[every, first - 1], along[every, first]
     part = (before - THRESHOLD) / np.where(before > after, before - after, 1.0)
-    lengths = np.where(crossed, (first - 1 + part) * steps[1], reach)
-    longest = max(range(_ANGLES), key=lambda index: (lengths[index], along[index].mean()))
+    lengths = np.where(crossed, (first - 1 + part) * steps[1], 1.0) * reach
+    bounded = not bool(crossed.all())
+    # of directions that are not seen to end, the lay is that of the highest correlation
+    far = np.where(crossed, -1.0, along.mean(axis=1)) if bounded else lengths
+    direction = int(np.argmax(far >= far.max() - _TIED * abs(far.max())))
+    shortest = lengths[crossed].min() if crossed.any() else lengths.max()
     return Texture(
-        shortest=float(lengths.min()),
-        longest=float(lengths[longest]),
-        aspect=float(lengths.min() / lengths[longest]),
-        direction=float(angles[longest]),
-        bounded=not bool(crossed.all()),
+        shortest=float(shortest),
+        longest=float(lengths.max()),
+        aspect=float(shortest / lengths.max()),
+        direction=float(angles[direction]),
+        bounded=bounded,
     )
 
 

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 _RING = 1.12  # outer over inner wave number of a ring
 _TIED = 1.0 + 1e-9  # waves on the limit of a ring fall to the same side, in whatever unit
+_FLOOR = 1e-14  # density over the largest, or the mean, below which a ring holds rounding alone
+_ROUNDING = 1e-7  # share of all amplitudes that is rounding
 _HANN_MODES = (18.0 / 35.0) ** 2  # mean square of the window squared, over its mean fourth power
 
 
@@ -158,6 +160,12 @@ class Spectrum:
     nyquist: float
     window: str
 
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Rings that hold more than rounding, shape (n,)."""
+        white = self.moments.m00 * (np.pi / self.nyquist) ** 2  # were all waves equal
+        return np.asarray(self.density > _FLOOR * self.density.max(initial=white))
+
 
 def power_spectrum(hm: HeightMap) -> Spectrum:
     """Power spectral density around rings and along the axes, and its moments.
@@ -278,24 +286,25 @@ def texture_direction(waves: Density) -> float:
     Notes
     -----
     ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
-    of one degree; the mean direction in the largest. It is that of the wave vectors, ccw from +x
-    to +y, across the lay; NaN of a plane.
+    of one degree; the mean direction in the largest, of equal ones the first. It is that of the
+    wave vectors, ccw from +x to +y, across the lay; NaN of a plane, and where all waves lie beyond.
     """
 
     def sectors(part: slice, density: Array) -> Array:
         qy, qx = wave_numbers(waves, part)
         q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
-        amplitude = np.sqrt(density) * (q <= _TIED * np.pi / max(waves.source.spacing))
-        amplitude *= waves.weight
+        amplitude = np.sqrt(density) * waves.weight
         amplitude[q == 0.0] = 0.0
         sector = np.round(np.degrees(angle)).astype(np.int64)
         angle -= np.radians(sector)
+        sector %= 180
+        sector[q > _TIED * np.pi / max(waves.source.spacing)] = 180
         values = amplitude, amplitude * angle
-        return np.stack([np.bincount(sector.ravel() % 180, v.ravel(), 180) for v in values])
+        return np.stack([np.bincount(sector.ravel(), v.ravel(), 181) for v in values])
 
-    total, moment = sum(over_rows(sectors, waves.values), np.zeros((2, 180)))
-    most = int(np.argmax(total))
-    if total[most] == 0.0:
+    (*total, beyond), moment = sum(over_rows(sectors, waves.values), np.zeros((2, 181)))
+    most = int(np.argmax(np.multiply(total, _TIED) >= max(total)))
+    if sum(total) <= _ROUNDING * beyond:
         return np.nan
     return float((np.radians(most) + moment[most] / total[most]) % np.pi % np.pi)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.errors import InputError, SurfaceError
+from surfaces.errors import SurfaceError, require_kind
 
 from .spectrum import Spectrum
 
@@ -138,12 +138,9 @@ def fit_spectrum(spectrum: Spectrum) -> SpectrumFit:
     >>> f"{fit.hurst:.1f}"
     '0.8'
     """
-    if not isinstance(spectrum, Spectrum):
-        raise InputError(
-            f"a spectrum is needed, not {type(spectrum).__name__}: surfaces.power_spectrum(hm)"
-        )
+    require_kind(spectrum, Spectrum, "surfaces.power_spectrum(hm)")
     sharp = spectrum.edge < 0.98 * spectrum.nyquist
-    inside = (spectrum.density > 0.0) & (spectrum.q <= (0.9 if sharp else 1.0) * spectrum.edge)
+    inside = spectrum.seen & (spectrum.q <= (0.9 if sharp else 1.0) * spectrum.edge)
     q, density, modes = spectrum.q[inside], spectrum.density[inside], spectrum.modes[inside]
     if len(q) < 2 * _SEGMENT:
         raise SurfaceError(

@@ -326,3 +326,13 @@ def test_of_flat_tops_of_one_height_none_is_the_parent_of_the_others():
         assert len(peaks) == 4 and len(np.unique(peaks.prominence.round(9))) == 2
         curvature = surfaces.fit_profiles(hm, peaks).curvature
         np.testing.assert_allclose(curvature, curvature[0, 0], rtol=0.1)
+
+
+def test_rays_of_a_mirrored_map_are_as_long():
+    """Rays of summits in the middle of a pixel pass halfway between two others."""
+    hm = rough((48, 60), (60.0, 48.0), rolloff=20.0, cutoff=5.0, anisotropy=2.0, angle=0.5, seed=3)
+    hm = hm.replace(periodic=False)
+    _, one = fitted(hm)
+    _, other = fitted(hm.replace(heights=hm.heights[:, ::-1]))
+    edges = (np.sort(np.sort(each.edge, axis=1), axis=0) for each in (one, other))
+    assert_allclose(*edges, rtol=1e-6)

@@ -85,6 +85,8 @@ def test_bent_body_and_given_sections_are_positive():
     ("build", "message"),
     [
         (lambda: polygon(2), "3 to 1000 sides"),
+        (lambda: polygon(3.5), "sides is 3.5"),
+        (lambda: random_section(1.0, deviation=0.1, seed=1.5), "seed is 1.5"),
         (lambda: rounded_polygon(4, corner=1.5), "corner must lie"),
         (lambda: random_section(1.0, deviation=2.0), "makes psi negative"),
     ],

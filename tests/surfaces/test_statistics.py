@@ -258,3 +258,61 @@ def test_a_file_that_has_no_spectrum_is_told(tmp_path) -> None:
         stored = file.on_disk()
     with pytest.raises(SurfaceError, match=r"missing \(1 of"):
         surfaces.power_spectrum(stored)
+
+
+@pytest.mark.parametrize("rows", [3, 16])
+def test_a_strip_tells_the_correlation_length_along_it(rows: int) -> None:
+    """Rays in all directions ended at half the shorter side: that was Sal, and Str was 1."""
+    wave = np.cos(2 * np.pi * (np.arange(512) + 0.5) / 128)
+    strip = surfaces.HeightMap(np.tile(1e-6 * wave, (rows, 1)), 1e-6, periodic=True)
+    found = surfaces.texture(surfaces.autocorrelation(strip))
+    assert found.shortest == pytest.approx(128e-6 * math.acos(0.2) / (2 * math.pi), rel=1e-3)
+    assert found.bounded and found.direction == pytest.approx(math.pi / 2)
+
+
+def test_a_lay_longer_than_the_map_has_its_own_direction() -> None:
+    """Rays beside it are longer within the map, and do not end there either."""
+    y = (np.arange(64) + 0.5) * np.ones((256, 1))
+    waves = surfaces.HeightMap(np.cos(2 * np.pi * y.T[:, :200] / 32), 1.0, periodic=True)
+    assert surfaces.texture(surfaces.autocorrelation(waves)).direction == 0.0
+
+
+@pytest.mark.parametrize("unit", [1e-6, 3e-6, 5e-7, 7e-7, 1.1e-6, 1e-3, 0.37])
+def test_of_equal_parameters_rounding_chooses_none(unit: float) -> None:
+    """Both ends of a sine are as flat; two crossed waves are as high."""
+    wave = np.tile(np.sin(2 * np.pi * (np.arange(512) + 0.5) / 64 + 0.3), (64, 1))
+    core = surfaces.bearing_curve(surfaces.HeightMap(unit * wave, 1e-6, periodic=True)).core()
+    assert core["Spk"] == 0.0 and core["Svk"] == pytest.approx(0.426 * unit, rel=1e-2)
+    y, x = np.mgrid[:64, :64] * (2 * np.pi / 64)
+    for turn in range(5):
+        crossed = np.roll(np.cos(5 * x + 3 * y) + np.cos(5 * x - 3 * y), turn, (0, 1))
+        found = surfaces.describe(surfaces.HeightMap(unit * crossed, 1e-6, periodic=True))
+        assert found.spatial["Std"] == pytest.approx(30.96, abs=0.01)
+        assert found.spatial["lay"] == pytest.approx(77.0)
+
+
+def test_waves_beyond_the_rings_have_no_direction_and_no_exponent() -> None:
+    """What is left in the rings is rounding."""
+    y, x = np.mgrid[:64, :96]
+    waves = 1e-7 * np.cos(2 * np.pi * (20 * y / 64 + 3 * x / 96) + 0.4)
+    found = surfaces.describe(surfaces.HeightMap(waves, (1e-6, 2.5e-6), periodic=True))
+    assert math.isnan(found.spatial["Std"]) and found.fit is None
+
+
+def test_a_slope_that_is_not_known_is_no_wrong_unit() -> None:
+    heights = np.random.default_rng(0).normal(size=(64, 64)) * 1e-8
+    heights[::2] = np.nan
+    assert not any(
+        "unit" in each for each in surfaces.describe(surfaces.HeightMap(heights, 1e-6)).warnings
+    )
+
+
+def test_arguments_of_another_kind_are_refused() -> None:
+    hm = rough()
+    holes = np.array(hm.heights)
+    holes[0, 0] = np.nan
+    with pytest.raises(surfaces.InputError, match="wolf is 'bad'"):
+        surfaces.describe(hm.replace(heights=holes), wolf="bad")  # type: ignore[arg-type]
+    for function in (surfaces.texture, surfaces.fit_spectrum, surfaces.plot_bearing):
+        with pytest.raises(surfaces.InputError, match="is needed, not <HeightMap"):
+            function(hm)  # type: ignore[operator]

@@ -126,6 +126,9 @@ def test_redistribute_gives_the_heights_and_keeps_the_spectrum():
     assert_allclose(np.sort(other.heights, axis=None), quantile((np.arange(n) + 0.5) / n))
     old, new = (np.abs(np.fft.rfft2(m.heights - m.heights.mean())) for m in (hm, other))
     assert np.corrcoef(old.ravel(), new.ravel())[0, 1] > 0.98
+    for wrong in (lambda p: 1.0, lambda p: p[:5], lambda p: -p, lambda p: "abc"):
+        with pytest.raises(surfaces.InputError, match="quantile"):
+            surfaces.redistribute(hm, wrong)
     with pytest.raises(surfaces.InputError, match="periodic map"):
         surfaces.redistribute(hm.replace(periodic=False), np.sort)
     with pytest.raises(surfaces.InputError, match="not a constant one"):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -85,6 +87,24 @@ def test_no_texture_is_made_of_a_cell_that_is_none(make, more):
     assert step["step"] == make.__name__ and more.items() <= step.items() and "size" not in step
 
 
+def test_a_blunt_tool_leaves_parabolas():
+    """Without cancellation of the radius, which took a sixth of the height at 1000 m."""
+    hm = textures.turned((64, 8), (64e-6, 8e-6), feed=16e-6, nose_radius=1e3)
+    y = (np.arange(16) - 7.5) * 1e-6
+    assert np.ptp(hm.heights) == pytest.approx(np.ptp(y**2 / 2e3), rel=1e-9)
+
+
+def test_a_seed_is_a_number_whatever_its_type():
+    """A small numpy integer ran over where one was added to it."""
+    make = partial(textures.ground, SHAPE, SIZE, rms_slope=0.1, cutoff=0.05)
+    assert np.array_equal(make(seed=np.uint8(255)).heights, make(seed=255).heights)
+
+
+def test_ground_without_fine_roughness_is_scratches_alone():
+    hm = textures.ground(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, length=1e3, fine=0.0)
+    assert np.ptp(hm.heights, axis=1).max() < 1e-9 * np.ptp(hm.heights)
+
+
 def test_refusals():
     with pytest.raises(surfaces.InputError, match="plateau is"):
         textures.plateau_honed(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, plateau=0.0)
@@ -93,6 +113,10 @@ def test_refusals():
             textures.plateau_honed(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, fine=fine)
     with pytest.raises(surfaces.InputError, match="both finite"):
         textures.turned(SHAPE, SIZE, feed=0.1, nose_radius=np.inf)
+    with pytest.raises(surfaces.InputError, match="less than two of the"):
+        textures.turned((32, 8), (1.0, 1.0), feed=1 / 32, nose_radius=1.0)
+    with pytest.raises(surfaces.InputError, match="length is"):
+        textures.ground(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, length=0.5)
     with pytest.raises(surfaces.InputError, match="rms_slope is"):
         textures.ground(SHAPE, SIZE, rms_slope=0.0, cutoff=0.05)
     with pytest.raises(surfaces.InputError, match="feed is"):
