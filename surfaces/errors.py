@@ -172,6 +172,8 @@ def as_path(path: str | os.PathLike[str]) -> Path:
     """The path of a file; anything but a text or a path is refused."""
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"the path of a file is a text or a path, not {type(path).__name__}")
+    if "\0" in str(path):
+        raise InputError(f"{shown(path)} is no path: it holds a zero byte")
     return Path(path)
 
 
@@ -183,10 +185,13 @@ def checked_heights(heights: Any) -> NDArray[np.float64]:
     try:
         if np.iscomplexobj(heights):
             raise TypeError("they are complex")
-        if isinstance(heights, np.ma.MaskedArray):
-            heights = np.ma.filled(heights.astype(np.float64), np.nan)
-        array = np.asarray(heights, dtype=np.float64, order="C")
-        if (array is heights and array.flags.writeable) or not array.flags.owndata:
+        given = np.ma.asarray(heights) if isinstance(heights, list | tuple) else heights
+        if isinstance(given, np.ma.MaskedArray):
+            given = np.ma.filled(given.astype(np.float64), np.nan)
+        array = np.asarray(given, dtype=np.float64, order="C")
+        # what is no array of numpy may hand out the one that it keeps
+        made = array is not given and isinstance(given, np.ndarray)
+        if (array.flags.writeable and not made) or not array.flags.owndata:
             array = array.copy()
     except (TypeError, ValueError, OverflowError) as error:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error

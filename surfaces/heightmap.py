@@ -78,9 +78,7 @@ class HeightMap:
     --------
     >>> import numpy as np
     >>> import surfaces
-    >>> hm = surfaces.HeightMap(
-    ...     np.arange(12.0).reshape(3, 4) * 1e-9, (2e-6, 1e-6), name="steps"
-    ... )
+    >>> hm = surfaces.HeightMap(np.zeros((3, 4)), (2e-6, 1e-6), name="steps")
     >>> hm
     <HeightMap 'steps' 3 x 4, pixel 2e-06 x 1e-06 m, not periodic>
     >>> hm.size
@@ -270,6 +268,7 @@ class HeightMap:
         return self._with(other, 1.0)
 
     __radd__ = __add__
+    __array_ufunc__ = None  # an array of numpy leaves its sum with a map to the map
 
     def __sub__(self, other: HeightMap | float) -> HeightMap:
         """Heights less those of another map, or an offset [m]; missing where one of them is."""

@@ -85,4 +85,5 @@ def composite(a: HeightMap, b: HeightMap) -> HeightMap:
         "history": [dict(done) for done in upper.history],
     }
     name = " on ".join(filter(None, (b.name, a.name)))
-    return lower.replace(heights=lower.heights + upper.heights, name=name, step=step)
+    heights = lower.heights + upper.heights
+    return lower.replace(heights=heights, spacing=spacing, name=name, step=step)

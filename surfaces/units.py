@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from decimal import Decimal
+from decimal import Decimal, DecimalException
 
 from .errors import InputError, shown
 
@@ -123,7 +123,10 @@ def _scaled(number: str, unit: str, kind: str) -> float:
     """A number times its unit, rounded once: 0.3um is 3e-7."""
     factor = _factor(unit, kind)
     if factor is not None:
-        return float(Decimal(number) * Decimal(str(factor)))
+        try:
+            return float(Decimal(number) * Decimal(str(factor)))
+        except DecimalException:  # beyond any exponent
+            return float(number) * factor
     known, example = QUANTITIES[kind]
     other = next((name for name in QUANTITIES if _factor(unit, name) is not None), None)
     if other is not None:
@@ -146,8 +149,8 @@ def _factor(unit: str, kind: str) -> float | None:
 def chosen_unit(stated: str | None, given: str | None) -> str:
     """The unit of the heights of a file: as it states, or as the caller says where it does not;
     refused if neither says one, or they differ."""
-    unit = stated or given
-    if not unit:
+    unit = stated or given if isinstance(stated, str | None) else stated  # refused below
+    if isinstance(unit, str | None) and not unit:
         raise InputError("states no unit; pass --unit (unit=...), such as --unit um")
     if metres_per(unit) != metres_per(given or unit):
         raise InputError(f"states unit {shown(stated)}; leave out --unit {given}")

@@ -43,7 +43,7 @@ _LISTED = 12
 
 def opened(path: Path) -> h5py.File:
     """The file, open for reading."""
-    if not path.exists():
+    if not os.path.exists(path):
         raise FileFormatError(f"{path}: no such file")
     if not path.is_file():
         raise FileFormatError(
@@ -66,7 +66,7 @@ def require_sound(path: Path, dataset: str | None) -> None:
         with opened(path) as file, naming_damage(path, "damaged HDF5"):
             read_header(find(file, path, dataset))
 
-    if path.is_file() and not _is_sound(path) and not survives(attempt, CPU_SECONDS):
+    if os.path.isfile(path) and not _is_sound(path) and not survives(attempt, CPU_SECONDS):
         raise FileFormatError(
             f"{path}: damaged HDF5, its metadata hang or crash the HDF5 library; "
             "copy the file again from its source"

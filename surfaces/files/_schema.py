@@ -219,7 +219,7 @@ def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[
     for name in dataset.attrs:
         try:
             stored = dataset.attrs.get_id(name)
-            if stored.get_space().get_simple_extent_type() == h5py.h5s.NULL:
+            if stored.get_space().get_simple_extent_npoints() == 0:
                 continue  # states nothing, as netCDF stores an empty text
             if stored.get_storage_size() > _MAX_ATTRIBUTE:
                 raise ValueError("it is larger than 1 MiB")
@@ -274,7 +274,10 @@ def _history(stated: Any, tell: Tell) -> tuple[Mapping[str, Any], ...]:
 
 
 def stated_value(value: Any) -> Any:
-    """What a file states, in plain Python: bytes as text, and the element of an array of one."""
+    """What a file states, in plain Python: bytes as text, the element of an array of one, None of
+    an empty one."""
+    if isinstance(value, np.ndarray) and value.size == 0:
+        return None
     if isinstance(value, np.ndarray | np.generic) and value.size == 1:
         value = value.item()
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else value

@@ -135,7 +135,7 @@ def read_text(
         if spacing is None:  # else the unit of x and y is unknown
             stated.setdefault("spacing", [step * metres_per(unit) for step in pixel])
     elif path.suffix.lower() == ".xyz":
-        raise FileFormatError(f"{path}: its points x, y, z lie on no even grid, or are repeated")
+        raise FileFormatError(f"{path}: its points x, y, z lie on no even grid")
     return as_map(heights, path, unit, spacing, stated)
 
 
@@ -264,7 +264,7 @@ def _lines(file: Iterable[str]) -> Iterator[tuple[int, str, list[str] | None]]:
     separator, mark = "", ""
     for number, line in enumerate(file, start=1):
         # a blank is any white space
-        by = separator or next((mark for mark in ";\t," if mark in line.strip()), " ")
+        by = separator or next((mark for mark in ";\t," if mark in line.strip(" \r\n")), " ")
         marks = "".join(m for m in ",." if m in line) if by in ";\t" else ""
         numbers = line.replace(",", ".") if marks == "," else line
         cells = [cell.strip() for cell in numbers.strip(" \r\n").split(None if by == " " else by)]

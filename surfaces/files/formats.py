@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from surfaces.errors import FileFormatError, InputError, SurfaceError, as_path, require_texts
@@ -77,23 +78,25 @@ def read(
     """
     path = as_path(path)
     require_texts(dataset=dataset, unit=unit)
-    if not path.exists():
-        raise FileFormatError(f"{path}: no such file")
-    if not (path.is_file() or path.is_dir()):
-        raise FileFormatError(f"{path}: this is not a file")
-    reader = None if path.is_dir() else _reader(path)
     try:
+        if not os.path.exists(path):  # names that no system takes do not, either
+            raise FileFormatError(f"{path}: no such file")
+        if not (path.is_file() or path.is_dir()):
+            raise FileFormatError(f"{path}: this is not a file")
+        reader = None if path.is_dir() else _reader(path)
         if reader is None:
             from .hdf5 import open as open_hdf5
 
             with open_hdf5(path, dataset=dataset, unit=unit, spacing=spacing) as file:
                 return file.read(rows, columns)
         hm = reader(path, dataset, unit, spacing)
-        if rows is None and columns is None:
+        ny, nx = hm.shape
+        rows, columns = (0, ny) if rows is None else rows, (0, nx) if columns is None else columns
+        if np.array_equal((rows, columns), ((0, ny), (0, nx))):
             return hm
         from surfaces.preparation.filtering import crop
 
-        return crop(hm, rows or (0, hm.shape[0]), columns or (0, hm.shape[1]))
+        return crop(hm, rows, columns)
     except InputError as error:
         if str(error).startswith(str(path)):
             raise
@@ -165,11 +168,8 @@ def _reader(
     path: Path,
 ) -> Callable[[Path, str | None, str | None, ArrayLike | None], HeightMap] | None:
     """What reads a file whole; None if `SurfaceFile` reads it in parts."""
-    try:
-        with path.open("rb") as file:
-            head = file.read(8)
-    except OSError as error:
-        raise FileFormatError(f"{path}: cannot be read ({error.strerror})") from error
+    with path.open("rb") as file:
+        head = file.read(8)
     if not head:
         raise FileFormatError(f"{path}: the file is empty")
     suffix = path.suffix.lower()

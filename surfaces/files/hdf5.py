@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from surfaces.errors import (
     FileFormatError,
-    InputError,
     SurfaceError,
+    as_count,
     as_path,
     checked_part,
     checked_spacing,
@@ -152,9 +152,7 @@ class SurfaceFile:
         InputError
             If `rows` is below 1.
         """
-        step = self._rows_per_block(self.shape[1]) if rows is None else rows
-        if step < 1:
-            raise InputError(f"rows is {rows}; a block needs at least one row")
+        step = self._rows_per_block(self.shape[1]) if rows is None else as_count("rows", rows, 1)
         for start in range(0, self.shape[0], step):
             yield start, self.heights((start, min(start + step, self.shape[0])))
 
@@ -231,6 +229,8 @@ class SurfaceFile:
 
     def _stored(self, rows: _Span, columns: _Span) -> NDArray[Any]:
         """Heights in the unit of the file."""
+        if not self._dataset:
+            raise FileFormatError(f"{self.path}: the file is closed; open it again")
         part = f"rows {rows[0]} to {rows[1]} of dataset {self._dataset.name}"
         with naming_damage(self.path, f"{part} are damaged"):
             return np.asarray(self._dataset[slice(*rows), slice(*columns)])

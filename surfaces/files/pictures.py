@@ -18,6 +18,7 @@ from .instruments import read_instrument
 __all__ = ["read_picture"]
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_INTERPRETATION = 262  # tag of a TIFF: 0 if white is zero
 _PNG_DEPTH = 24  # place of the bits per grey level
 
 
@@ -30,6 +31,11 @@ def read_picture(
     never states its unit, the height of one grey level, such as 2.5nm. What is no grey picture of
     one page may still be a format of an instrument.
     """
+    if _white_is_zero(path.read_bytes()):
+        raise FileFormatError(
+            f"{path}: states that 0 is white, and so leaves open whether bright is high; save it "
+            "with 0 as black"
+        )
     grey = _only_page(str(path))
     if grey is None or grey.ndim != 2:
         hint = "; as a picture, it is damaged, in color, of several pages or fewer than 8 bits"
@@ -57,6 +63,21 @@ def _only_page(path: str) -> NDArray[Any] | None:
         return None
     finally:
         log.setLogLevel(told)
+
+
+def _white_is_zero(content: bytes) -> bool:
+    """Whether the first page of a TIFF says so: the library turns such pictures of 8 bits over, and
+    leaves others."""
+    order = {b"II*\0": "little", b"MM\0*": "big"}.get(content[:4])
+    if order is None:
+        return False
+
+    def number(at: int, size: int) -> int:
+        return int.from_bytes(content[at : at + size], order)  # type: ignore[arg-type]
+
+    first = number(4, 4)
+    entries = (first + 2 + 12 * entry for entry in range(number(first, 2)))
+    return any(number(at, 2) == _INTERPRETATION and number(at + 8, 2) == 0 for at in entries)
 
 
 def _is_sound(content: bytes) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
+import os
 import re
 import struct
 from pathlib import Path
@@ -25,7 +26,7 @@ _MARKS = ("zarr.json", ".zarray", ".zgroup")
 
 def is_zarr(path: Path) -> bool:
     """Whether a folder is a Zarr array or group."""
-    return any((path / mark).is_file() for mark in _MARKS)
+    return any(os.path.isfile(path / mark) for mark in _MARKS)
 
 
 def read_zarr(

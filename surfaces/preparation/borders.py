@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.errors import SurfaceError, as_choice, as_number
+from surfaces.errors import InputError, SurfaceError, as_choice, as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics.stored_array import Source, windows
 
@@ -25,6 +25,9 @@ STEEPNESS = 1.0 / 3.0
 
 WIDEST_FADE = 0.1
 """Largest width of the faded strip, over the shorter side of the map."""
+
+NARROWEST_FADE = 2.0
+"""Least width of the faded strip [pixels]: along one pixel heights fade by half only."""
 
 
 def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> HeightMap:
@@ -42,8 +45,8 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         sides do not meet.
     width
         Width of the faded strip [m] of ``taper``. By default the fade is a third as steep as the
-        map, by rms height and slope, over a tenth of the shorter side at most: what fades lies too
-        low, and touches otherwise than the surface does.
+        map, by rms height and slope, over a tenth of the shorter side at most, but two pixels: what
+        fades lies too low, and touches otherwise than the surface does.
 
     Returns
     -------
@@ -55,7 +58,8 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     Raises
     ------
     InputError
-        If points are missing, `how` is unknown, or the strip is wider than half the map.
+        If points are missing, `how` is unknown, the strip is narrower than two pixels or wider than
+        half the map, or a width is given for what does not fade.
 
     Examples
     --------
@@ -66,6 +70,8 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     <HeightMap 32 x 64, pixel 1e-06 x 1e-06 m, periodic>
     """
     as_choice("periodic", how, PERIODIC)
+    if width is not None and how != "taper":
+        raise InputError(f"width is {width}, and only taper fades a strip; leave it out")
     require_full(hm, "a periodic map")
     made, changed = hm, 0.0
     step: dict[str, object] = {"step": "periodic", "how": how, "rms_before": hm.rms_height}
@@ -73,12 +79,16 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         made = hm.with_rows(_mirrored(hm.source), (2 * hm.shape[0], 2 * hm.shape[1]))
     elif how == "taper":
         strip = _gentle(hm) if width is None else as_number("width", width)
-        if not 0.0 < strip <= 0.5 * min(hm.size):
+        least = NARROWEST_FADE * max(hm.spacing)
+        if width is not None and not least <= strip <= 0.5 * min(hm.size):
             raise SurfaceError(
-                f"the tapered strip is {strip:g} m wide; it must be at most half of "
-                f"{min(hm.size):g} m"
+                f"the tapered strip is {strip:g} m wide; it must be at least {NARROWEST_FADE:g} "
+                f"pixels, {least:g} m, and at most half of {min(hm.size):g} m"
             )
-        across, along = _window(hm.y, hm.size[0], strip), _window(hm.x, hm.size[1], strip)
+        across, along = (
+            _window(place, length, max(strip, min(NARROWEST_FADE * step, 0.5 * length)))
+            for place, length, step in zip((hm.y, hm.x), hm.size, hm.spacing, strict=True)
+        )
         mean = hm.roughness.mean
         made = hm.with_rows(
             (begin, mean + (rows - mean) * (across[begin:end, None] * along))
@@ -153,10 +163,10 @@ def _seam_carrier(source: Source) -> Source:
 
 
 def _gentle(hm: HeightMap) -> float:
-    """Width [m] of a strip in which heights fade, see `make_periodic`; a pixel at least."""
+    """Width [m] of a strip in which heights fade, see `make_periodic`."""
     steepest = STEEPNESS * hm.roughness.rms_slope
     width = hm.rms_height / max(steepest, np.finfo(float).tiny)
-    return min(max(width, *hm.spacing), WIDEST_FADE * min(hm.size))
+    return min(width, WIDEST_FADE * min(hm.size))
 
 
 def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:

@@ -75,7 +75,7 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     require_map(hm)
     count, size = hm.missing, hm.source.size
     fraction = count / size
-    if fraction > as_number("limit", limit):
+    if not fraction <= as_number("limit", limit):
         raise SurfaceError(
             f"{count} of {size} points are missing ({100 * fraction:.3g} %), more than the "
             f"fill limit of {100 * limit:.3g} %; crop the map or raise fill_limit (--fill-limit)"

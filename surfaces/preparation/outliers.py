@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
 import cv2
@@ -26,6 +27,7 @@ _MEAN = 0.7979  # mean absolute value of a normal variable, in deviations
 _AROUND = 11  # side [pixels] of the surroundings of a point
 _REACH = 4  # rows about a point that its roughness takes: twice half a median filter
 _ROUNDS = 5  # searches for spikes, at most
+_DWARFED = 1e-2  # largest height without the spikes found, over the scale, that changes the scale
 
 
 def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
@@ -73,7 +75,7 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     scale = max(hm.roughness.highest - level, level - hm.roughness.lowest) or 1.0
     z = quick_fill(each_block(hm.source, lambda heights: (heights - level) / scale))
     spikes: Index = np.empty(0, np.int64)
-    limit = threshold * _ninth_decile(hm, z) / _NINE_TENTHS + 1e-7
+    limit = _limit(hm, z, threshold)
     for _ in range(_ROUNDS):
         found = [_spikes(strip, limit, threshold, hm.periodic) for strip in _strips(hm, z)]
         places, medians = (np.concatenate(part) for part in zip(*found, strict=True))
@@ -83,6 +85,11 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
             break
         spikes = np.union1d(spikes, places)
         z = array_of(replaced(z, places, medians), z.shape, z)
+        top = max(float(np.abs(rows).max()) for _, _, rows in windows(z))
+        if 0.0 < top < _DWARFED:  # a far spike had hidden the others below the rounding
+            z = each_block(z, partial(np.multiply, 1.0 / top))
+            scale *= top
+            limit = _limit(hm, z, threshold)
     step = {
         "step": "outliers",
         "threshold": threshold,
@@ -91,6 +98,11 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     }
     gaps = np.full(len(spikes), np.nan)
     return hm.with_rows(replaced(hm.source, spikes, gaps), step=step)
+
+
+def _limit(hm: HeightMap, z: Source, threshold: float) -> float:
+    """Smallest roughness of a spike, over the scale of z, above the rounding of the medians."""
+    return threshold * _ninth_decile(hm, z) / _NINE_TENTHS + 1e-7
 
 
 class _Strip(NamedTuple):

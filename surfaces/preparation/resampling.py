@@ -288,6 +288,8 @@ def _factors(all_points: int, count: int, fewer: int, corner: float) -> NDArray[
     first = ((fewer - 1) // 2 + 0.5) / all_points
     shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (corner + 0.5 / count - first))
     shift *= count / old
-    if kept % 2 == 0 and (count != all_points or corner != 0.0):
+    if count > old and old % 2 == 0:
+        shift[-1] *= 0.5  # the wave of two pixels, which runs both ways
+    elif kept % 2 == 0 and (count != all_points or corner != 0.0):
         shift[-1] = 0.0
     return shift

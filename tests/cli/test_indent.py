@@ -145,7 +145,7 @@ def test_the_highest_peak_is_that_of_the_map_without_its_tilt(tmp_path):
         (["indent", "--shape", "polygon:4:5"], "write polygon:N, N and SEED whole"),
         (["indent", "--shape", "polygon:1000000000"], "3 to 1000 sides"),
         (["indent", "--shape", "cone:5"], "write cone\n"),
-        (["indent", "--shape", "random:0.1:-3"], "write random:DEVIATION:SEED"),
+        (["indent", "--shape", "random:0.1:-3"], "seed is -3"),
         (["indent", "--shape", "ellipse:-3"], "must be positive"),
         (["indent", "--shape", "cone", "--scale", "0"], "--scale must be positive"),
         (["indent", "--shape", "cone", "--k", "2"], "--k does not belong to --shape cone"),

@@ -7,6 +7,8 @@ import sys
 import zipfile
 from pathlib import Path
 
+import cv2
+import h5py
 import numpy as np
 import pytest
 from samples import SPACING
@@ -321,3 +323,71 @@ def test_names_that_are_no_texts_are_refused(tmp_path: Path, suffix: str, name: 
     for given in (np.ones(2), 3.0):
         with pytest.raises(InputError, match=rf"{name} is .*; give a text, or leave it out"):
             surfaces.read(tmp_path / f"a{suffix}", **{name: given})
+
+
+def test_a_row_of_missing_points_may_come_first(tmp_path):
+    """Of tabs alone it counted as a blank line, and the map was a row shorter."""
+    for mark, name in (("\t", "a.tsv"), (",", "a.csv")):
+        rows = [["", "", ""], ["1", "2", "3"], ["", "", ""], ["4", "5", "6"], ["7", "8", "9"]]
+        (tmp_path / name).write_text("\n".join(mark.join(row) for row in rows) + "\n")
+        found = surfaces.read(tmp_path / name, unit="um", spacing=1e-6)
+        assert found.shape == (5, 3) and np.isnan(found.heights[[0, 2]]).all()
+
+
+def test_columns_of_points_with_a_hole_are_a_map(tmp_path):
+    """A hole wider than ten pixels hid the lines; repeated points made a map of three columns."""
+    y, x = (place.ravel() for place in np.mgrid[:30, :40])
+    points = np.stack([x, y, np.sin(x) + y], axis=1).astype(float)
+    np.savetxt(tmp_path / "hole.txt", points[(x < 10) | (x >= 22)])
+    found = surfaces.read(tmp_path / "hole.txt", unit="um")
+    assert found.shape == (30, 40) and found.missing == 12 * 30
+    np.savetxt(tmp_path / "twice.txt", np.vstack([points, points[:1]]))
+    with pytest.raises(surfaces.FileFormatError, match="repeatedly"):
+        surfaces.read(tmp_path / "twice.txt", unit="um", spacing=1e-6)
+
+
+def test_a_region_of_an_array_is_given_as_of_hdf5(tmp_path):
+    hm = surfaces.self_affine((12, 16), (12e-6, 16e-6), hurst=0.8, rms_slope=0.1)
+    surfaces.write(hm, tmp_path / "a.npz")
+    assert surfaces.read(tmp_path / "a.npz", rows=(0, 12)).digest == hm.digest
+    assert surfaces.read(tmp_path / "a.npz", columns=np.array([0, 8])).shape == (12, 8)
+    with pytest.raises(surfaces.SurfaceError, match="rows"):
+        surfaces.read(tmp_path / "a.npz", rows=())
+
+
+@pytest.mark.parametrize("name", ["x" * 300 + ".h5", "x" * 300 + ".npz"])
+def test_names_that_no_file_can_have(name):
+    with pytest.raises(FileFormatError, match="no such file"):
+        surfaces.read(name)
+    assert "no such file" in str(surfaces.validate(name)[0])
+    with pytest.raises(InputError, match="zero byte"):
+        surfaces.read("a\0" + name)
+
+
+def test_pictures_that_call_zero_white_are_refused(tmp_path):
+    """The library turns those of 8 bits over, and leaves others."""
+    path = tmp_path / "a.tif"
+    cv2.imwrite(str(path), np.arange(64, dtype=np.uint8).reshape(8, 8))
+    content = bytearray(path.read_bytes())
+    surfaces.read(path, unit="nm", spacing=1e-6)
+    order = "little" if content[:2] == b"II" else "big"
+    first = int.from_bytes(content[4:8], order)
+    for entry in range(int.from_bytes(content[first : first + 2], order)):
+        at = first + 2 + 12 * entry
+        if int.from_bytes(content[at : at + 2], order) == 262:
+            content[at + 8 : at + 10] = b"\0\0"
+    path.write_bytes(content)
+    with pytest.raises(surfaces.FileFormatError, match="0 is white"):
+        surfaces.read(path, unit="nm", spacing=1e-6)
+
+
+def test_empty_facts_state_nothing(tmp_path):
+    surfaces.write(surfaces.HeightMap(np.eye(4), 1e-6), tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file["heights"].attrs["name"] = np.zeros(0)
+    assert surfaces.read(tmp_path / "a.h5").shape == (4, 4)
+    np.savez(tmp_path / "a.npz", heights=np.eye(4), unit="um", spacing=1e-6, name=np.zeros(0))
+    assert surfaces.read(tmp_path / "a.npz").name == "a"
+    np.savez(tmp_path / "a.npz", heights=np.eye(4), unit=np.array(["um", "nm"]), spacing=1e-6)
+    with pytest.raises(surfaces.FileFormatError, match="is not a unit of length"):
+        surfaces.read(tmp_path / "a.npz")

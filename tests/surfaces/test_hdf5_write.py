@@ -123,3 +123,23 @@ def test_heights_are_not_stored_in_types_that_lose_them(tmp_path: Path, dtype: s
     with pytest.raises(InputError, match="float64, float32"):
         surfaces.write(bumps(), tmp_path / "b.h5", dtype=dtype)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_generator_may_fill_its_blocks_into_one_array(tmp_path):
+    """Rows that did not fill a chunk were held as a view of it, and overwritten."""
+
+    def blocks():
+        rows = np.empty((8, 32))
+        for value in range(4):
+            rows[:] = value
+            yield rows
+
+    surfaces.write_blocks(tmp_path / "a.h5", (32, 32), (1e-6, 1e-6), blocks())
+    assert surfaces.read(tmp_path / "a.h5").heights[::8, 0].tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(("value", "why"), [(np.nan, "missing"), (1e40, "beyond 1e")])
+def test_blocks_that_no_map_can_hold_leave_no_file(tmp_path, value, why):
+    with pytest.raises(surfaces.SurfaceError, match=why):
+        surfaces.write_blocks(tmp_path / "a.h5", (4, 4), 1e-6, [np.full((4, 4), value)])
+    assert not list(tmp_path.iterdir())

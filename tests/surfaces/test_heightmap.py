@@ -158,3 +158,32 @@ def test_only_what_nobody_can_change_is_kept_without_a_copy() -> None:
     heights.setflags(write=False)
     assert surfaces.HeightMap(heights, 1.0).heights is heights
     assert surfaces.HeightMap(heights[1:], 1.0).heights.flags.owndata
+
+
+def test_heights_of_another_kind_of_array_are_copied():
+    """What numpy makes of it may be the array that it keeps."""
+
+    class Labelled:
+        def __init__(self, values):
+            self.values = values
+
+        def __array__(self, dtype=None, copy=None):
+            return self.values
+
+    values = np.eye(4)
+    hm = surfaces.HeightMap(Labelled(values), 1e-6)
+    values[0, 0] = 5.0
+    assert hm.heights[0, 0] == 1.0
+
+
+def test_masked_rows_in_a_list_are_missing():
+    rows = [np.ma.masked_equal([1.0, 2.0, -9999.0, 4.0], -9999.0)] * 4
+    assert surfaces.HeightMap(rows, 1e-6).missing == 4
+
+
+def test_an_array_of_numpy_leaves_its_sum_to_the_map():
+    """It was an array of as many maps as it had elements."""
+    hm = surfaces.HeightMap(np.eye(4), 1e-6)
+    assert (np.float64(1.0) + hm).digest == (hm + 1.0).digest
+    with pytest.raises(surfaces.InputError, match="must be a number"):
+        np.ones((4, 4)) + hm

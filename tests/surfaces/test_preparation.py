@@ -259,3 +259,36 @@ def test_smooth_seams():
     ]
     inside = (slice(1, -1), slice(1, -1))  # where the carrier is harmonic
     np.testing.assert_allclose(laplacian[1][inside], laplacian[0][inside], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("shape", "spacing"), [((100, 100), (1e-6, 3e-5)), ((4, 64), 1e-6), ((8, 8), 1e-6)]
+)
+def test_a_taper_fades_along_both_axes(shape: tuple[int, int], spacing: float) -> None:
+    """A strip of less than a pixel left the cliff at the seam as it was."""
+    ramp = np.add.outer(*(np.linspace(-1e-7, 1e-7, n) for n in shape))
+    hm = surfaces.HeightMap(ramp, spacing)
+    faded = surfaces.make_periodic(hm, "taper").heights
+    for axis in (0, 1):
+        step = np.abs(np.take(faded, 0, axis) - np.take(faded, -1, axis)).max()
+        assert step < 0.35 * np.abs(np.take(ramp, 0, axis) - np.take(ramp, -1, axis)).max()
+    for width, how in ((1e-5, "mirror"), (1.5 * max(hm.spacing), "taper")):
+        with pytest.raises(surfaces.InputError, match=r"(width|strip) is"):
+            surfaces.make_periodic(hm, how, width=width)
+
+
+def test_a_far_spike_does_not_hide_the_others() -> None:
+    """One point at -9999 left the rest to the rounding of single precision."""
+    rough = surfaces.self_affine((96, 80), (96e-6, 80e-6), hurst=0.8, rms_height=6e-7, cutoff=8e-6)
+    heights = rough.heights.copy()
+    heights[[10, 30, 60], [10, 50, 20]] += [2e-5, 3e-5, -2e-5]
+    assert surfaces.mark_outliers(rough.replace(heights=heights)).missing == 3
+    heights[80, 70] = -1e4
+    assert surfaces.mark_outliers(rough.replace(heights=heights)).missing == 4
+
+
+def test_a_limit_of_filling_is_a_number() -> None:
+    heights = np.ones((8, 8))
+    heights[2:4] = np.nan
+    with pytest.raises(surfaces.SurfaceError, match="fill limit"):
+        surfaces.fill_missing(surfaces.HeightMap(heights, 1e-6), limit=np.nan)

@@ -85,3 +85,12 @@ def test_the_command_presses_two_files(tmp_path, monkeypatch, capsys):
     assert found.settings["modulus"] == pytest.approx(BODIES[0].modulus / 2)
     assert main(["curve", "a.h5", *loads, "--nu2", "0.3"]) == 2
     assert "--E2" in capsys.readouterr().err
+
+
+def test_the_pixels_of_a_composite_are_the_finer_ones_in_either_order():
+    """Where the finer pixels do not divide the coarser map, one order had its rounded ones."""
+    a, b = (
+        surfaces.self_affine((n, n), (n * d, n * d), hurst=0.8, rms_slope=0.1)
+        for n, d in ((48, 1e-6), (47, 1.5e-6))
+    )
+    assert surfaces.composite(a, b).spacing == surfaces.composite(b, a).spacing == a.spacing

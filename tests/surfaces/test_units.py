@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -68,3 +70,7 @@ def test_all_of_a_list_have_units_or_none():
     assert quantities(["0", "2um"], "length") == [0.0, 2e-6]
     with pytest.raises(InputError, match="2 has no unit and others have one"):
         quantities(["2", "200MPa"], "pressure")
+
+
+def test_numbers_beyond_any_exponent_are_infinite():
+    assert quantity("1e99999999999999999999GPa", "pressure") == math.inf
