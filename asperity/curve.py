@@ -170,7 +170,8 @@ def solve_loads(
     The points are solved from light to heavy, and each starts from the one before. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
     """
-    kind, values = checked_loads(hm, material, pressures, separations)
+    kind, given = checked_loads(hm, material, pressures, separations)
+    values, place = np.unique(given, return_inverse=True)  # equal loads are solved once
     require_function("checkpoint", checkpoint)
     compile_ahead(*curve_parts(material.hardness))
     if plan is None:
@@ -201,8 +202,8 @@ def solve_loads(
             if len(rows) == len(values):
                 break
             decomposition, rows = decomposition.of_whole_map(), {}
-    order = sorted(rows)
-    return curve_of(decomposition, order), decomposition, tuple(points[i] for i in sorted(points))
+    curve = curve_of(decomposition, sorted(rows)).select(place)
+    return curve, decomposition, tuple(points[i] for i in place.tolist() if keep)
 
 
 class _Row(NamedTuple):

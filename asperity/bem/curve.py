@@ -142,7 +142,8 @@ def bem_curve(
     (True, True)
     """
     compile_ahead("bem")
-    kind, values = checked_loads(hm, material, pressures, separations)
+    kind, given = checked_loads(hm, material, pressures, separations)
+    values, place = np.unique(given, return_inverse=True)  # equal loads are solved once
     require_function("checkpoint", checkpoint)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
@@ -214,7 +215,7 @@ def bem_curve(
 
     with reported(progress, len(values), "load points") as tell:
         follow_chains(chains, follow, together=together)
-    return curve_of([*range(len(values))])
+    return curve_of([*range(len(values))]).select(place)
 
 
 def _require_accuracy(accuracy: float | tuple[float, float]) -> tuple[float, float]:

@@ -59,7 +59,7 @@ def expand(patterns: Sequence[str]) -> list[Path]:
         for word in patterns
         for name in (not Path(word).exists() and sorted(glob.glob(word, recursive=True))) or [word]
     ]
-    return [Path(name) for name in dict.fromkeys(names)]
+    return [*dict.fromkeys(Path(name) for name in names)]
 
 
 def each(args: argparse.Namespace, work: Work) -> int:

@@ -55,7 +55,7 @@ def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Names
         raise InputError("--slip needs --E and --nu in place of --modulus")
     if args.slip and not 0 < args.friction < np.inf:
         raise InputError(f"--friction is {args.friction}; it must be positive and finite")
-    if args.slip and any(len(values) < 2 for values in loads.values()):
+    if args.slip and any(len(np.unique(values)) < 2 for values in loads.values()):
         raise InputError("--slip needs lighter load points beside the heaviest, such as LO:HI:10")
     if args.resistivity:
         from asperity.extensions.conductance import total_resistivity
@@ -77,7 +77,8 @@ def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> 
 
     Says so where fewer than two load points converged, from which none follows.
     """
-    if np.count_nonzero(curve.converged & (curve.mean_pressure > 0)) < 2:
+    bearing = curve.converged & (curve.mean_pressure > 0)
+    if len(np.unique(curve.mean_pressure[bearing])) < 2:
         warn(args, "fewer than two load points converged: no partial slip is written")
         return
     from asperity.extensions.partial_slip import friction_curve, tangential_modulus

@@ -68,15 +68,22 @@ def _solve(
     hm: HeightMap, material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace
 ) -> Mapping[str, Any]:
     from asperity.engine.solve import solve
+    from asperity.halfspace.load_points import checked_loads
+    from asperity.results.resume import with_held
     from asperity.results.storage import ResultFile, write_results
 
     settings = settings_of(args)
     request = output.request_of(hm, material, args, settings)
     judge = _Resumable(args, request)
-    curve = solve(hm, material, **loads, **settings, judge=judge)
+    kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
+    count = len(values)
+    if args.resume:
+        values = with_held(values, kind, args.output, request)
+    points: dict[str, Any] = {f"{kind}s": values}
+    curve = solve(hm, material, **points, **settings, judge=judge)
     curves = {one.model: one for one in (judge.solved, curve) if one is not None}
     write_results(args.output, ResultFile(curves=curves, about={"request": request}))
-    return output.finish(curve, hm, material, args)
+    return output.finish(curve.select(np.arange(count)), hm, material, args)
 
 
 def settings_of(args: argparse.Namespace) -> dict[str, Any]:

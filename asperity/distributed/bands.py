@@ -201,7 +201,13 @@ class Ensemble:
     def __str__(self) -> str:
         table, width = self.table, self.convergence[-1]
         first, last = (f"{p:.3g}" for p in (self.pressures.min(), self.pressures.max()))
-        scatter = np.nanmax(table["area_fraction_std"] / table["area_fraction"])
+        scatter = table["area_fraction_std"] / table["area_fraction"]
+        known = scatter[np.isfinite(scatter)]
+        told = (
+            f"{100 * known.max():.2g} % of the mean contact area, at most"
+            if known.size
+            else "unknown"
+        )
         asked = ""
         if self.until is not None:
             asked = f"; {self.until:.2g} asked for: {'met' if self.met else 'NOT MET'}"
@@ -210,7 +216,7 @@ class Ensemble:
             [
                 f"ensemble        {len(self)} members, {len(self.sweep.failed)} failed",
                 f"mean pressure   {first} .. {last} Pa, {len(self.pressures)} points",
-                f"scatter         {100 * scatter:.2g} % of the mean contact area, at most",
+                f"scatter         {told}",
                 f"mean known to   {100 * width:.2g} % of the contact area ({LEVEL:.0%}){asked}",
                 f"table           {self.sweep.folder / 'ensemble.csv'}",
                 *(f"failed          {row['surface']}: {row['reason']}" for row in failed),

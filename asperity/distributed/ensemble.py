@@ -211,7 +211,7 @@ def _common(first: Job) -> NDArray[np.float64]:
     pressures = as_numbers("pressures", given).ravel()
     if not (pressures > 0.0).all():
         raise InputError("the pressures of an ensemble must be positive")
-    return pressures
+    return pressures[np.sort(np.unique(pressures, return_index=True)[1])]
 
 
 def _in_order(

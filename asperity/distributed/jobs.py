@@ -143,7 +143,8 @@ class Jobs:
         if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
             raise InputError("a sweep needs materials, or a table with a row for each job")
         for number, row in enumerate(rows):
-            cells = {k: v for k, v in row.items() if v is not None and v == v}
+            absent = {k for k, v in row.items() if v is None or (isinstance(v, float) and v != v)}
+            cells = {k: v for k, v in row.items() if k not in absent}
             if "surface" not in cells:
                 raise InputError(f"row {number} of the table has no surface")
             body = _body({name: cells.pop(name) for name in BODY if name in cells})
@@ -208,6 +209,9 @@ def _chosen(given: Any) -> dict[str, Any]:
     as_choice("method", settings["method"], METHODS)
     if not isinstance(settings.get("prepare", {}), Mapping):
         raise InputError("prepare holds the keywords of surfaces.prepare")
+    loads = {"loads", "pressures", "separations"} & settings.keys()
+    if len(loads) > 1:
+        raise InputError(f"give one of {', '.join(sorted(loads))}")
     takes = inspect.signature(method(settings["method"])).parameters.keys() - OWN
     known = takes | {"method", "loads", "prepare"}
     for name in settings:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,7 +33,7 @@ HEADLINE = (
 )
 """Columns of a curve whose values at the heaviest point that converged are told."""
 
-OF_ONE_RUN = ("model", "input", "boundary", "modulus", "m", "hardness")
+OF_ONE_RUN = ("model", "law", "input", "boundary", "modulus", "m", "hardness")
 """Facts in which two runs must agree for one to continue the other."""
 
 
@@ -174,11 +174,10 @@ class ContactCurve(CurveTable):
             name: np.concatenate([getattr(self, name), getattr(later, name)])
             for name in POINT_FIELDS
         }
+        both = self.extra, later.extra
         extra = {
-            name: np.concatenate(
-                [part.extra.get(name, np.full(len(part), np.nan)) for part in (self, later)]
-            )
-            for name in dict.fromkeys([*self.extra, *later.extra])
+            name: np.concatenate([_column(part, name, both) for part in (self, later)])
+            for name in {**self.extra, **later.extra}
         }
         if "tangent_stiffness" in extra:
             columns["stiffness"] = curve_stiffness(
@@ -268,6 +267,18 @@ class ContactCurve(CurveTable):
         return "\n".join(lines)
 
     __repr__ = __str__
+
+
+def _column(
+    part: ContactCurve, name: str, both: Sequence[Mapping[str, NDArray[Any]]]
+) -> NDArray[Any]:
+    """A column of a part of a curve; empty texts or NaN, of the shape of the other part, if it has
+    none."""
+    if name in part.extra:
+        return np.asarray(part.extra[name])
+    like = next(np.asarray(extra[name]) for extra in both if name in extra)
+    empty = "" if like.dtype.kind in "US" else np.nan
+    return np.full((len(part), *like.shape[1:]), empty)
 
 
 def _verification_lines(engine: str, verification: Mapping[str, Any]) -> list[str]:

@@ -47,6 +47,9 @@ LARGEST_GAP = 2.5
 """Largest difference in the logarithm of pressure over which the tangents are integrated."""
 
 
+LEAST_STEP = 1e-3
+"""Difference in the logarithm of pressure below which the slope between two points is noise."""
+
 _HALVINGS = 60
 """Steps of bisection, to the last digit."""
 
@@ -115,7 +118,9 @@ def read_off(
     name, (column, unit) = given[0], QUESTIONS[given[0]]
     order = knots_of(columns)
     if column == "area_fraction":
-        order = order[_rising(columns[column][order])]
+        # boundary elements count pixels: areas of light loads may be equal
+        areas = columns[column][order]
+        order = order[areas >= np.maximum.accumulate(areas)]
     if len(order) < 2:
         raise InputError("the curve has fewer than two converged points with load")
     log_p = np.log(columns["mean_pressure"][order])
@@ -183,14 +188,29 @@ def knots_of(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
     """Indices of the points between which a curve is interpolated, in the order of the load.
 
     They are the points under load whose separation is smaller than that of all lighter ones; in
-    full contact, where the separation stays, only the lightest.
+    full contact, where the separation stays, only the lightest. Of points of nearly one load, whose
+    difference is that of two solutions more than of two loads, one is kept.
     """
     pressures, separations = columns["mean_pressure"], columns["separation"]
     usable = columns["converged"] & (pressures > 0) & np.isfinite(separations)
     order = np.flatnonzero(usable)[np.argsort(pressures[usable])]
     order = order[_rising(pressures[order])]
     scale = np.abs(separations[order]).max(initial=0.0) or 1.0
-    return order[_rising(np.round(-separations[order] / scale, 12))]  # rounding is no smaller gap
+    # rounding is no smaller gap
+    order = order[_rising(np.round(-separations[order] / scale, 12))]
+    return order[_apart(np.log(pressures[order]))]
+
+
+def _apart(logs: NDArray[np.float64]) -> list[int]:
+    """Indices of ascending values that are `LEAST_STEP` apart, from the first to the last."""
+    kept: list[int] = []
+    for i, value in enumerate(logs.tolist()):
+        if kept and value - logs[kept[-1]] <= (LEAST_STEP if len(kept) > 1 else 0.0):
+            kept.pop()  # the later one stays: the last is an end of the curve
+        kept.append(i)
+    if len(kept) > 2 and logs[kept[1]] - logs[kept[0]] <= LEAST_STEP:
+        del kept[1]
+    return kept
 
 
 def _rising(values: NDArray[np.float64]) -> NDArray[np.bool_]:

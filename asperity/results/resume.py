@@ -16,7 +16,7 @@ from asperity.errors import InputError
 from .curve import ContactCurve, read_results
 from .storage import ResultFile, write_results
 
-__all__ = ["Solve", "require_continuable", "run_resumably"]
+__all__ = ["Solve", "require_continuable", "run_resumably", "with_held"]
 
 Solve = Callable[[NDArray[np.float64], Callable[[ContactCurve], None]], ContactCurve]
 """Solves the given load points and calls back with the curve of the points finished so far."""
@@ -44,10 +44,12 @@ def run_resumably(
 
     With `resume` it continues from the file, if that exists, and refuses one of another request.
     Where the solution of a point depends on those solved before it (`chained`) and one is missing,
-    all are solved again, so that the curve is that of a run without interruption. Returned are all
-    points in the order of `values`.
+    all are solved again, those of the file too, so that the curve is that of a run without
+    interruption. Returned are all points in the order of `values`.
     """
-    done, asked = None, f"asked_{kind}"
+    done, asked, count = None, f"asked_{kind}", len(values)
+    if chained and resume:
+        values = with_held(values, kind, path, request)
     if resume and Path(path).exists():
         curve = require_continuable(path, request).curves.get(model)
         if curve is not None:
@@ -76,12 +78,29 @@ def run_resumably(
 
     if done is None or new.any():
         done = with_earlier(solve(values[new], keep))
-        count = np.count_nonzero(new)
-        place[new] = len(done) - count + np.arange(count)
+        more = np.count_nonzero(new)
+        place[new] = len(done) - more + np.arange(more)
     # a load asked for twice may be held twice: it is in the file as often as it is asked for
     others = np.setdiff1d(np.arange(len(done)), [*place, *np.flatnonzero(held.any(axis=0))])
     write(done.select(np.append(place, others)))
-    return done.select(place)
+    return done.select(place[:count])
+
+
+def with_held(
+    values: NDArray[np.float64],
+    kind: str,
+    path: str | os.PathLike[str],
+    request: Mapping[str, Any],
+) -> NDArray[np.float64]:
+    """Load points, shape (n,), followed by the others that curves of a results file converged at;
+    a file of another request is refused."""
+    if not Path(path).exists():
+        return values
+    curves, asked = require_continuable(path, request).curves.values(), f"asked_{kind}"
+    held = [each.extra[asked][each.converged] for each in curves if asked in each.extra]
+    others = np.unique(np.concatenate([*held, np.empty(0)]))
+    known = np.isclose(others[:, None], values, rtol=1e-12, atol=0.0).any(axis=1)
+    return np.append(values, others[~known])
 
 
 def require_continuable(

@@ -85,8 +85,9 @@ def anchored(
     hm: HeightMap, material: HalfSpace, model: ContactCurve, engine: Callable[..., ContactCurve]
 ) -> ContactCurve:
     """`verified` with the default accuracy, by boundary elements such as `bem_curve`."""
-    ((name, values),) = model.asked.items()
+    ((name, given),) = model.asked.items()
     kind = name.removeprefix("asked_")
+    values, first, place = np.unique(given, return_index=True, return_inverse=True)
     begun = time.perf_counter()
 
     asked, boundary = Accuracy(), model.settings["boundary"]
@@ -95,7 +96,7 @@ def anchored(
         loads: dict[str, Any] = {f"{kind}s": at}
         return engine(hm, material, **loads, accuracy=asked.times(share), boundary=boundary)
 
-    curve = verified(hm, model, kind, values, judge, asked)
+    curve = verified(hm, model.select(first), kind, values, judge, asked).select(place)
     seconds = {**model.seconds, "verification": time.perf_counter() - begun}
     return replace(curve, seconds=seconds)
 
@@ -134,6 +135,16 @@ def verified(
         new = [i for i in points[anchors] if i not in solved]
         share = FITTED.judge_share if len(anchors) < count else 1.0
         solved |= solved_points(judge, values, np.array(new), share)
+        bare = [i for i in points[anchors] if not solved[i].contact_area[0] > 0.0]
+        if bare:  # where the model touches alone, the judge has the answer
+            kept = ~np.isin(points, bare)
+            points, position, scatter = points[kept], position[kept], scatter[kept]
+            prior, plastic = prior[:, kept], plastic[:, kept]
+            if (count := len(points)) < FITTED.least_loads:
+                return judge(values, 1.0)
+            held = np.flatnonzero(np.isin(points, list(solved)))
+            anchors = np.union1d(held, [0, count - 1])
+            continue
         known = misfit_at(model, kind, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
         floors = prior * np.maximum(PRIOR_SHARE + plastic, broken if broken > 1.0 else 0.0)
@@ -222,7 +233,7 @@ def misfit_at(model: ContactCurve, kind: str, points: Indices, solved: Solved) -
     area, number of spots and stiffness at equal load; with a hardness also `YIELDED_COLUMNS`."""
 
     def ratio(name: str) -> Array:
-        return np.asarray(np.log(getattr(model, name)[points] / _judged(solved, points, name)))
+        return log_ratio(getattr(model, name)[points], _judged(solved, points, name))
 
     spots = model.contacts[points], _judged(solved, points, "contacts")
     told = {name: model.extra[name] for name in YIELDED_COLUMNS if name in model.extra}

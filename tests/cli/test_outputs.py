@@ -156,6 +156,12 @@ def test_an_output_through_a_link_keeps_the_link(folder, capsys):
     assert (folder / "shelf" / "table.csv").read_text().startswith("x_m,y_m")
 
 
+def test_one_file_by_two_names_is_read_once(folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    assert main(["surface", "info", "scan.h5", "./scan.h5", "--json"]) == 0
+    assert capsys.readouterr().out.count('"file"') == 1
+
+
 def test_a_name_as_long_as_the_folder_takes(folder, capsys):
     surfaces.write(good_map(), folder / "scan.h5")
     name = "a" * 251 + ".csv"

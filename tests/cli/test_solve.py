@@ -59,3 +59,11 @@ def test_anchored_run_keeps_its_anchors_and_goes_on(monkeypatch):
 def test_separations_and_a_free_map(capsys):
     assert main([*ASKED[:4], "--separation", "1.5e-5:8e-6:3", "--boundary", "free"]) == 0
     assert "free" in capsys.readouterr().out
+
+
+def test_points_that_the_file_holds_stay_there(capsys):
+    """A run that goes on with other loads lost them."""
+    for loads in (["1e6", "2e6"], ["3e6"]):
+        assert main([*ASKED[:4], "--pressure", ",".join(loads), "--resume"]) == 0
+        assert f", {len(loads)} points," in capsys.readouterr().out
+    assert ContactCurve.from_hdf5("results.h5").extra["asked_pressure"].tolist() == [3e6, 1e6, 2e6]

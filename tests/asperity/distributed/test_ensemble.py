@@ -222,3 +222,15 @@ def test_a_picture_of_the_mean(here, tmp_path):
     assert found.plot("separation").get_ylabel() == "separation [µm]"
     with pytest.raises(asperity.InputError, match="no column 'speed'; there are separation"):
         found.plot("speed")
+
+
+def test_equal_pressures_are_one(here, tmp_path):
+    loads = {"pressures": [1e9, 1e8, 1e9]}
+    found = asperity.ensemble(MAKE, STEEL, loads, folder=tmp_path, seeds=2)
+    assert found.pressures.tolist() == [1e9, 1e8]
+
+
+def test_a_scatter_that_nobody_knows_is_told(here, tmp_path):
+    """Loads of which no member converges: the mean of nothing warned."""
+    found = asperity.ensemble(MAKE, STEEL, {"pressures": [1e13, 2e13]}, folder=tmp_path, seeds=2)
+    assert "scatter         unknown" in str(found)

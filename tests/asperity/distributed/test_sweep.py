@@ -247,6 +247,7 @@ def test_maps_in_memory_loads_and_preparation(here, tmp_path):
         ({"settings": {"speed": 1.0}}, "speed is no setting of the method curve; it takes"),
         ({"settings": 3.0}, "settings are keywords of a method, not float"),
         ({"settings": {"method": ["bem"]}}, "choose one of curve, bem, solve"),
+        ({"settings": {"pressures": [1e6], "loads": [1.0]}}, "give one of loads, pressures"),
         ({"settings": {"prepare": 3}}, "the keywords of surfaces.prepare"),
         ({"folder": None}, "the path of a file"),
         ({"folder": __file__, "surfaces": MAKE(seed=1)}, "cannot be made"),

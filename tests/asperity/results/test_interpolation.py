@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -116,3 +118,31 @@ def made(pressure, separation):
         error_estimate=np.zeros(n),
         model="made",
     )
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-9, 1e-5])
+@pytest.mark.parametrize("twice", [0, 1, 2, 3])
+def test_a_load_that_was_solved_twice_changes_nothing_between_others(twice, gap):
+    """The slope between both is that of two solutions: areas were three times as large."""
+    pressure = np.array([1e6, 3e7, 1e9, 3e9])
+    separation = np.array([9.0, 7.0, 4.0, 3.0])
+    curve = made(pressure, separation)
+    again = made(
+        np.insert(pressure, twice + 1, pressure[twice] * (1.0 + gap)),
+        np.insert(separation, twice + 1, separation[twice] - 1e-4),
+    )
+    asked = np.geomspace(1e6, 3e9, 41)
+    one, other = (each.at(pressure=asked) for each in (curve, again))
+    np.testing.assert_allclose(other.separation, one.separation, atol=5e-3)
+    np.testing.assert_allclose(other.area_fraction, one.area_fraction, rtol=5e-3)
+    ends = again.at(separation=separation[[0, -1]])
+    np.testing.assert_allclose(ends.mean_pressure, [1e6, 3e9], rtol=1e-3)
+
+
+def test_equal_areas_are_read_as_they_are_found():
+    """Boundary elements count pixels: points of equal area were left out of one question alone."""
+    curve = made(np.array([1e6, 2e6, 3e6, 1e7, 1e8]), np.array([9.0, 8.9, 8.8, 7.0, 4.0]))
+    share = np.array([1.0, 2.0, 2.0, 5.0, 40.0]) * 1e-4
+    curve = dataclasses.replace(curve, area_fraction=share, contact_area=2.0 * share)
+    area = curve.at(pressure=4e6).area_fraction
+    assert curve.at(area_fraction=area).mean_pressure == pytest.approx(4e6, rel=1e-9)

@@ -112,6 +112,19 @@ def test_points_that_start_from_each_other_are_solved_together(tmp_path):
         assert again.solved == solved
 
 
+def test_points_that_start_from_each_other_stay_in_the_file(tmp_path):
+    """Those that were not asked for again were lost."""
+    path = tmp_path / "r.h5"
+    for loads in (LOADS[:2], LOADS[2:3]):
+        found = run_resumably(
+            Solver(), loads, "pressure", path, model="bem", request=REQUEST, resume=True,
+            chained=True,
+        )  # fmt: skip
+        np.testing.assert_array_equal(found.extra["asked_pressure"], loads)
+    held = read_results(path).curves["bem"].extra["asked_pressure"]
+    np.testing.assert_array_equal(np.sort(held), np.sort(LOADS[:3]))
+
+
 def test_points_that_are_not_asked_for_stay_in_the_file(tmp_path):
     """Rounds of anchors ask for few points first, then for more: a run that goes on solves none."""
     path = tmp_path / "r.h5"

@@ -84,3 +84,29 @@ def test_a_correction_beyond_the_estimate_is_not_trusted(rough):
 def test_verify_is_a_function(rough):
     with pytest.raises(InputError, match="verify is True; give"):
         asperity.contact_curve(rough, STEEL, pressures=LOADS, verify=True)
+
+
+def test_equal_loads_have_equal_answers(rough):
+    loads = [5e8, 1e8, 2e8, 5e8, 3e8, 1e9, 1e8]
+    for curve in (
+        asperity.contact_curve(rough, STEEL, pressures=loads, verify=asperity.bem_curve),
+        asperity.bem_curve(rough, STEEL, pressures=loads),
+    ):
+        for name in ("separation", "contact_area", "stiffness", "error_estimate"):
+            column = getattr(curve, name)
+            assert column[0] == column[3] and column[1] == column[6]
+        np.testing.assert_array_equal(curve.extra["asked_pressure"], loads)
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_separation_at_which_the_model_alone_touches(seed):
+    """It divided by no load; boundary elements have the answer there."""
+    hm = surfaces.self_affine(
+        (64, 80), (64e-6, 80e-6), hurst=0.8, rms_slope=0.1, rolloff=2e-5, cutoff=6e-6, seed=seed
+    )
+    top = hm.heights.max() - hm.heights.mean()
+    curve = asperity.solve(
+        hm, STEEL, engine="anchored", separations=top * np.array([1.0, 0.9, 0.8, 0.6, 0.5, 0.4])
+    )
+    assert curve.mean_pressure[0] == 0.0 and np.isfinite(curve.error_estimate).all()
+    assert curve.extra["anchor"][0] and (curve.error_estimate < 0.05).all()
