@@ -111,8 +111,11 @@ class ContactProblem:
         if given is None:
             return self._nested(goal)
         np.clip(given, 0.0, self.material.hardness, out=pressure)
-        by_level = goal.level is not None
-        pressure *= self.compliance if by_level else goal.mean / float(pressure.mean())
+        if goal.level is not None:
+            pressure *= self.compliance
+        else:  # sums of what is given may overflow
+            pressure /= pressure.max()
+            pressure *= goal.mean / float(pressure.mean())
         return None
 
     def _nested(self, goal: Prescribed) -> GridSolution | None:

@@ -31,6 +31,9 @@ _MARGIN = 1.1
 _MEAN_PROFILE_RAYS = 256
 """Rays of the mean profile, from which the first approach to a load is taken."""
 
+_RADII = np.geomspace(1e-12, 1e3, 181)
+"""Radii [m] among which that of a contact is first looked for."""
+
 _MAX_APPROACHES = 30
 """Approaches tried for a load."""
 
@@ -282,8 +285,12 @@ def _coarse_solution_at_load(
     """Approach [m] and coarse solution that carry the load to 2 %, by secants in logarithms."""
     radius = getattr(profile, "radius", np.inf)
     phi = np.linspace(0.0, 2.0 * np.pi, _MEAN_PROFILE_RAYS, endpoint=False)
-    start = radius / 8 if np.isfinite(radius) else 1.0
-    depth = float(np.mean(gap(profile, np.full(_MEAN_PROFILE_RAYS, start), phi)))
+    # the radius a at which E* a^(1+m) times the mean gap is about the load
+    radii = np.geomspace(1e-3 * radius, radius / 8, 64) if np.isfinite(radius) else _RADII
+    gaps = [float(np.mean(gap(profile, np.full(phi.shape, each), phi))) for each in radii]
+    with np.errstate(divide="ignore", over="ignore"):
+        forces = np.log(material.modulus * radii ** (1 + material.m) * gaps)
+    depth = gaps[int(np.argmin(np.abs(forces - np.log(load))))]
     power, last = 1.5, None
     for _ in range(_MAX_APPROACHES):
         coarse, summit = _coarse_solution(profile, material, depth)

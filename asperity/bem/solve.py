@@ -11,6 +11,7 @@ from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.load_points import checked_load, expected_area_fraction, require_scene
 from asperity.halfspace.material import HalfSpace
+from surfaces.errors import as_numbers
 from surfaces.heightmap import HeightMap
 
 from .answer import answer
@@ -139,8 +140,12 @@ def bem_solve(
 def _given(guess: BemSolution | ArrayLike, shape: tuple[int, int]) -> NDArray[np.float64] | None:
     """Pressure of a guess, checked; None if nothing is pressed there."""
     try:
-        given = guess.pressure if isinstance(guess, BemSolution) else np.asarray(guess, np.float64)
-    except (TypeError, ValueError):  # no numbers
+        given = (
+            guess.pressure
+            if isinstance(guess, BemSolution)
+            else as_numbers("guess", guess, finite=False)
+        )
+    except InputError:  # no numbers
         given = np.empty(0)
     if given.shape != shape or not np.isfinite(given).all():
         raise InputError(f"guess has shape {given.shape}; give finite pressures of shape {shape}")

@@ -138,7 +138,7 @@ def _cut(
 
     def factor(row: int) -> float:
         edge = contour(phi)[row]
-        share = pressure(edge * np.sqrt(inside), phi)[row] / hardness
+        share = np.maximum(pressure(edge * np.sqrt(inside), phi)[row], 0.0) / hardness
         weight = np.pi * edge**2 / edge.size
         goal = forces[row] / hardness
         low, high = 0.0, np.log(_STEEPEST)
@@ -151,7 +151,7 @@ def _cut(
     def cut(r: Array, angle: Array) -> Array:
         values = pressure(r, angle)
         for row in np.flatnonzero(np.isfinite(forces)):
-            values[row] = np.minimum(values[row] * factor(int(row)), hardness)
-        return values
+            values[row] *= factor(int(row))
+        return np.clip(values, 0.0, hardness)
 
     return cut

@@ -175,6 +175,7 @@ def indent(
                 values[i] += of_harmonics(
                     basis, material, stretched[i], phi, float(one.a[i]), ratios
                 )
+            values = np.maximum(values, 0.0)  # what is left of higher orders at corners
         return filled(values)
 
     def earlier(radii: Array) -> Expansion:

@@ -20,6 +20,7 @@ from .basis import around, basis_of, radius_at
 from .ellipse_expansion import DEGREE
 from .ellipse_search import SHARP_TIP, Ellipse, Search
 from .indentation import Indentation, profile_flags
+from .pressure import of_unit_powers
 
 __all__ = ["indent"]
 
@@ -47,6 +48,10 @@ _CENTRE = 0.0035
 """Force error over what a fit leaves at the centre, `_State.centre`: 0.0006 to 0.0033 on
 round tips r^0.05 to r^64, m = -0.8 to 0.8."""
 
+_TIP = 1e-3
+"""Radius, over the contour, within which the pressure of a tip is that at this radius: of powers
+that stand for another one the first may be infinite at the tip."""
+
 _RESIDUE = 0.005
 """rms error of the representation of f over the approach beyond which it is flagged."""
 
@@ -68,8 +73,9 @@ class _State:
         Contour over the ellipse minus 1 at many equispaced parameters from 0, (n,).
     widest
         Largest displacement of the first-order contour.
-    coefs
-        Displacement of the surface over the monomials of the scaled coordinates [m].
+    coefs, powers
+        Displacement of the surface over the monomials of the scaled coordinates [m]; f less its
+        polynomial over the powers of their radius [m], on average over the angle.
     misfit, residue
         rms of what the polynomial, and of what the whole representation leave of f, over the
         approach.
@@ -86,6 +92,7 @@ class _State:
     displacement: Array
     widest: float
     coefs: Array
+    powers: Array
     misfit: float
     residue: float
     centre: float
@@ -128,6 +135,7 @@ class _State:
             parts=tuple(part * force for part in self.parts),
             ellipse=Ellipse(a * length, b * length, turn, x * length, y * length),
             coefs=self.coefs * ratio,
+            powers=self.powers * ratio,
         )
 
     def boundary(self, phi: Array) -> Array:
@@ -141,7 +149,8 @@ class _State:
         """Pressure [Pa] at the points: that of the ellipse less its edge singularity, stretched.
 
         Along each ray of the ellipse ``(1 - rho^2)^((m-1)/2)`` times the pressure polynomial
-        minus its value at the edge, with rho measured to the displaced contour.
+        minus its value at the edge, with rho measured to the displaced contour; and that of the
+        powers of rho which no polynomial holds, such as a tip, as on the circle of equal area.
         """
         m = material.m
         a, b = self.ellipse.a, self.ellipse.b
@@ -157,8 +166,10 @@ class _State:
         weights = material.modulus * size ** (m - 1) * (self.coefs @ operator)
         edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
         inner = edge * rho ** (i + j)[:, None]
-        body = weights @ (inner - edge)
-        return np.where(inside, body * (1 - rho**2) ** ((m - 1) / 2), 0.0)
+        body = weights @ (inner - edge) * (1 - rho**2) ** ((m - 1) / 2)
+        unit = material.modulus * size ** (m - 1)
+        body += unit * of_unit_powers(self.powers, np.maximum(rho, _TIP), m)
+        return np.where(inside, body, 0.0)
 
 
 def _state(
@@ -206,6 +217,7 @@ def _state(
         displacement=np.fft.irfft(waves, _POINTS) * (_POINTS / grown.size),
         widest=widest,
         coefs=coefs,
+        powers=gap.rest[0].real,
         misfit=gap.misfit / approach,
         residue=gap.residue / approach,
         centre=(1 + material.m) * abs(gap.centre - middle) / approach,
@@ -235,7 +247,7 @@ def indent(
 ) -> Indentation:
     """Solution by the law "ellipse"; see `asperity.indent`.
 
-    The pressure of a sharp tip, which is no polynomial, is that of the law "harmonic".
+    The pressure of a sharp tip, which is no polynomial, is that of the law "harmonic", stretched.
     """
     start = radius_at(basis_of(profile, material.m), approach)
     states = _states(profile, material, approach, start)
@@ -255,16 +267,20 @@ def indent(
     def contour(angle: Array) -> Array:
         return rows(lambda one: one.boundary(angle), angle.size)
 
-    sharp = np.array([one is not None and one.sharp for one in states])
+    force, stiffness, area = column("force"), column("stiffness"), column("area")
 
     def pressure(r: Array, angle: Array) -> Array:
         values = rows(lambda one: one.pressure(r, angle, material), angle.size)
-        if np.any(sharp):
-            tips = circle.indent(profile, material, approach[sharp], law="harmonic")
-            values[sharp] = tips.pressure_function(r, angle)
+        for row, one in enumerate(states):
+            if one is None or not one.sharp:
+                continue
+            tip = circle.indent(profile, material, approach[[row]], law="harmonic")
+            # stretched to the contour of the ellipse, and scaled to its force
+            share = tip.contour_function(angle)[0] / one.boundary(angle)
+            scale = force[row] / tip.force[0] * tip.contact_area[0] / area[row]
+            values[row] = scale * tip.pressure_function(r * share, angle)[0]
         return values
 
-    force, stiffness = column("force"), column("stiffness")
     flags = profile_flags(profile, approach, phi, contour(phi))
     doubtful = np.array([one is not None and one.doubtful for one in states])
     flags[doubtful] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
@@ -274,7 +290,7 @@ def indent(
         material=material,
         approach=approach,
         force=force,
-        contact_area=column("area"),
+        contact_area=area,
         radius=Footprints(material.modulus, material.m).radius(np.maximum(stiffness, 0.0)),
         stiffness=stiffness,
         flags=flags,

@@ -23,10 +23,11 @@ from scipy.interpolate import CubicSpline, PchipInterpolator, RectBivariateSplin
 from scipy.special import hyp2f1, roots_jacobi
 
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.transforms import kappa
 
 from .basis import Basis, PowerBasis
 
-__all__ = ["axisymmetric", "history", "of_harmonics"]
+__all__ = ["axisymmetric", "history", "of_harmonics", "of_unit_powers"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -72,10 +73,21 @@ def axisymmetric(basis: Basis, material: HalfSpace, r: Array, a: Array) -> Array
 def _of_powers(basis: PowerBasis, z: Array, a: Array) -> Array:
     """Shape of the pressure of a sum of powers at z = 1 - (r/a)^2, shape (k, points)."""
     m, total = basis.m, np.zeros_like(z)
-    for factor, k in zip(basis.depth_factors * basis.powers, basis.powers, strict=True):
-        scale = factor * a ** (k + m - 1) / (1 + m)
-        total += scale[:, None] * hyp2f1(1 - k / 2, 1.0, (3 + m) / 2, z)
+    for mean, k in zip(basis.means, basis.powers.tolist(), strict=True):
+        total += (mean * a ** (k + m - 1))[:, None] * _of_power(k, z, m)
     return total
+
+
+def _of_power(k: float, z: Array, m: float) -> Array:
+    """Shape of the pressure under r^k, over r^(k+m-1), at z = 1 - (r/a)^2."""
+    return np.asarray(kappa(m, k) * k / (1 + m) * hyp2f1(1 - k / 2, 1.0, (3 + m) / 2, z))
+
+
+def of_unit_powers(coefficients: Array, rho: Array, m: float) -> Array:
+    """Pressure under ``sum_k c_k rho^k`` in a contact of radius 1, over the modulus, at radii."""
+    z = (1 - rho) * (1 + rho)
+    shapes = (c * _of_power(float(k), z, m) for k, c in enumerate(coefficients.tolist()) if k)
+    return np.asarray(z ** ((1 + m) / 2) / np.pi * sum(shapes, np.zeros_like(z)))
 
 
 def _of_table(basis: Basis, z: Array, a: Array) -> Array:

@@ -325,3 +325,19 @@ def test_a_map_that_is_moved_or_mirrored_takes_the_same_path(shape):
             np.testing.assert_allclose(
                 back(again.pressure), found.pressure, atol=1e-6 * found.pressure.max()
             )
+
+
+@pytest.mark.parametrize("value", [1e-320, 1e308, 1.0])
+def test_a_guess_of_any_size(value):
+    """Its mean was rounded to nothing, or beyond all numbers."""
+    hm = rough()
+    found = bem_solve(hm, BODY, pressure=0.05, guess=np.full(hm.shape, value))
+    assert found.converged
+
+
+@pytest.mark.parametrize("points", [256, 400])
+def test_a_flat_punch_of_any_size_converges(points):
+    """The error allowed was that of the transforms."""
+    flat = HeightMap(np.zeros((points, points)), (1e-6, 1e-6))
+    found = bem_solve(flat, HalfSpace.from_modulus(1e9), separation=-1e-7)
+    assert found.converged and np.isfinite(found.stiffness)

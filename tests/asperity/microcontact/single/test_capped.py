@@ -9,8 +9,8 @@ import asperity
 from asperity import HalfSpace
 from asperity.errors import ModelRangeError
 from asperity.microcontact.laws import LAWS
-from surfaces import PolarProfile, PolynomialProfile, PowerLawProfile
-from surfaces.shapes import polygon
+from surfaces import PolarProfile, PolynomialProfile, PowerLawProfile, PowerSumProfile
+from surfaces.shapes import polygon, rounded_polygon
 
 BALL = PowerLawProfile(2.0, 0.5)
 RIDGE = PolynomialProfile({(2, 0): 0.5, (0, 2): 1.5})
@@ -132,3 +132,40 @@ def test_boundary_elements_agree(profile, share):
     assert one.force == pytest.approx(float(exact.force), rel=0.02)
     there = asperity.indent(profile, body, load=float(exact.force), law="auto")
     assert there.contact_area == pytest.approx(float(exact.contact_area), rel=0.02)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+def test_noise_of_the_expansion_ends_no_search(share):
+    """Steps that only follow it were taken sixty times, and the approach refused."""
+    tip = PowerSumProfile([1.0, 2.0], [rounded_polygon(3, 2.0).psi, 0.3])
+    elastic = asperity.indent(tip, HalfSpace.from_modulus(1.0, 0.3), 0.01, law="auto")
+    body = HalfSpace.from_modulus(1.0, 0.3, hardness=share * float(elastic.mean_pressure))
+    found = asperity.indent(tip, body, np.array([0.003, 0.01]), law="auto")
+    assert (found.force > 0.0).all() and found.force[1] < float(elastic.force)
+
+
+@pytest.mark.parametrize("law", ["harmonic", "auto"])
+@pytest.mark.parametrize("sides", [3, 4, 6])
+def test_pressures_are_within_their_bounds_and_carry_the_force(sides, law):
+    """Those of corners were multiplied from just below zero to -3e9 times the hardness, and zero on
+    a sixth of the contact."""
+    tip, mean = polygon(sides, scale=0.1), HalfSpace.from_modulus(1.0, -0.4)
+    hardness = 0.3 * float(asperity.indent(tip, mean, 0.01, law=law).mean_pressure)
+    body = HalfSpace.from_modulus(1.0, -0.4, hardness=hardness)
+    one = asperity.indent(tip, body, 0.01, law=law)
+    phi, share = np.meshgrid(2 * np.pi * np.arange(720) / 720, np.sqrt((np.arange(60) + 0.5) / 60))
+    r = share * one.contour(phi[0])
+    pressure = one.pressure(r * np.cos(phi), r * np.sin(phi))
+    assert pressure.min() >= 0.0 and pressure.max() <= hardness
+    carried = np.pi * np.mean(pressure.mean(axis=0) * one.contour(phi[0]) ** 2)
+    assert carried == pytest.approx(float(one.force), rel=0.01)
+
+
+def test_no_pressure_of_a_steep_body_exceeds_the_hardness():
+    """Not where the model, late, expects no yielding yet."""
+    steep = PowerLawProfile(10.0, 1.0)
+    elastic = asperity.indent(steep, HalfSpace.from_modulus(1.0), 0.01)
+    x = float(elastic.radius) * np.linspace(0.0, 0.999, 200)
+    hardness = 0.83 * elastic.pressure(x, 0 * x).max()
+    one = asperity.indent(steep, HalfSpace.from_modulus(1.0, hardness=hardness), 0.01)
+    assert one.pressure(x, 0 * x).max() <= hardness
