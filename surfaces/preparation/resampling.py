@@ -57,7 +57,8 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     -------
     HeightMap
         History step ``resample`` with the shapes; wavelengths that the new pixels cannot hold are
-        left out, not folded back.
+        left out, not folded back. So are waves of two pixels of a periodic map, whose phase its
+        points do not tell.
 
     Raises
     ------
@@ -288,8 +289,6 @@ def _factors(all_points: int, count: int, fewer: int, corner: float) -> NDArray[
     first = ((fewer - 1) // 2 + 0.5) / all_points
     shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (corner + 0.5 / count - first))
     shift *= count / old
-    if count > old and old % 2 == 0:
-        shift[-1] *= 0.5  # the wave of two pixels, which runs both ways
-    elif kept % 2 == 0 and (count != all_points or corner != 0.0):
+    if kept % 2 == 0 and (count != all_points or corner != 0.0):
         shift[-1] = 0.0
     return shift

@@ -1,4 +1,5 @@
-"""Squared discrete Fourier transform of a map, in memory or on disk as the map is."""
+"""Squared discrete Fourier transform of a map, in memory or on disk as the map is, and the
+direction of its waves."""
 
 from __future__ import annotations
 
@@ -12,12 +13,19 @@ from scipy import fft
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import Transform, along_both
+from surfaces.numerics.parallel import over_rows
 from surfaces.numerics.stored_array import Blocks, Source, blocks_of, windows
 from surfaces.preparation.levelling import level
 
-__all__ = ["Density", "density_of", "wave_numbers"]
+__all__ = ["TIED", "Density", "density_of", "texture_direction", "wave_numbers"]
 
 Array = NDArray[np.float64]
+
+TIED = 1.0 + 1e-9
+"""Ratio of equal numbers in two units: waves on the limit of a ring fall to the same side."""
+
+_ROUNDING = 1e-7
+"""Share of all amplitudes that is rounding."""
 
 
 @dataclass(frozen=True)
@@ -118,3 +126,32 @@ def _hann(count: int) -> Array:
     """Periodic Hann window of mean square one."""
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + 0.5) / count)
     return np.asarray(window / np.sqrt(np.mean(window**2)))
+
+
+def texture_direction(waves: Density) -> float:
+    """Texture direction Std [rad], 0 to pi: where the angular amplitude spectrum is largest.
+
+    Notes
+    -----
+    ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
+    of one degree; the mean direction in the largest, of equal ones the first. It is that of the
+    wave vectors, ccw from +x to +y, across the lay; NaN of a plane, and where all waves lie beyond.
+    """
+
+    def sectors(part: slice, density: Array) -> Array:
+        qy, qx = wave_numbers(waves, part)
+        q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
+        amplitude = np.sqrt(density) * waves.weight
+        amplitude[q == 0.0] = 0.0
+        sector = np.round(np.degrees(angle)).astype(np.int64)
+        angle -= np.radians(sector)
+        sector %= 180
+        sector[q > TIED * np.pi / max(waves.source.spacing)] = 180
+        values = amplitude, amplitude * angle
+        return np.stack([np.bincount(sector.ravel(), v.ravel(), 181) for v in values])
+
+    (*total, beyond), moment = sum(over_rows(sectors, waves.values), np.zeros((2, 181)))
+    most = int(np.argmax(np.multiply(total, TIED) >= max(total)))
+    if sum(total) <= _ROUNDING * beyond:
+        return np.nan
+    return float((np.radians(most) + moment[most] / total[most]) % np.pi % np.pi)

@@ -16,12 +16,12 @@ from surfaces.peaks.segmentation import checked_wolf
 
 from .bearing import BearingCurve, bearing_curve
 from .correlation import Autocorrelation, Texture, autocorrelation, texture
-from .density import density_of
+from .density import density_of, texture_direction
 from .differences import differences
 from .features import FEATURES, features
 from .heights import height_parameters
 from .parameters import PARAMETERS
-from .spectrum import SpectralMoments, Spectrum, spectrum_of, texture_direction
+from .spectrum import SpectralMoments, Spectrum, spectrum_of
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
 __all__ = ["Curves", "Statistics", "describe", "described"]

@@ -1,5 +1,4 @@
-"""Power spectral density of a height map: in two dimensions, around rings, along the axes, and the
-texture direction."""
+"""Power spectral density of a height map: in two dimensions, around rings, and along the axes."""
 
 from __future__ import annotations
 
@@ -12,7 +11,7 @@ from scipy import fft
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.parallel import over_rows
 
-from .density import Density, density_of, wave_numbers
+from .density import TIED, Density, density_of, wave_numbers
 
 __all__ = [
     "SpectralMoments",
@@ -20,15 +19,12 @@ __all__ = [
     "power_spectrum",
     "power_spectrum_2d",
     "spectrum_of",
-    "texture_direction",
 ]
 
 Array = NDArray[np.float64]
 
 _RING = 1.12  # outer over inner wave number of a ring
-_TIED = 1.0 + 1e-9  # waves on the limit of a ring fall to the same side, in whatever unit
 _FLOOR = 1e-14  # density over the largest, or the mean, below which a ring holds rounding alone
-_ROUNDING = 1e-7  # share of all amplitudes that is rounding
 _HANN_MODES = (18.0 / 35.0) ** 2  # mean square of the window squared, over its mean fourth power
 
 
@@ -280,35 +276,6 @@ def power_spectrum_2d(
     return *wave_numbers(waves, slice(None)), np.array(waves.values[:])
 
 
-def texture_direction(waves: Density) -> float:
-    """Texture direction Std [rad], 0 to pi: where the angular amplitude spectrum is largest.
-
-    Notes
-    -----
-    ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
-    of one degree; the mean direction in the largest, of equal ones the first. It is that of the
-    wave vectors, ccw from +x to +y, across the lay; NaN of a plane, and where all waves lie beyond.
-    """
-
-    def sectors(part: slice, density: Array) -> Array:
-        qy, qx = wave_numbers(waves, part)
-        q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
-        amplitude = np.sqrt(density) * waves.weight
-        amplitude[q == 0.0] = 0.0
-        sector = np.round(np.degrees(angle)).astype(np.int64)
-        angle -= np.radians(sector)
-        sector %= 180
-        sector[q > _TIED * np.pi / max(waves.source.spacing)] = 180
-        values = amplitude, amplitude * angle
-        return np.stack([np.bincount(sector.ravel(), v.ravel(), 181) for v in values])
-
-    (*total, beyond), moment = sum(over_rows(sectors, waves.values), np.zeros((2, 181)))
-    most = int(np.argmax(np.multiply(total, _TIED) >= max(total)))
-    if sum(total) <= _ROUNDING * beyond:
-        return np.nan
-    return float((np.radians(most) + moment[most] / total[most]) % np.pi % np.pi)
-
-
 def _edge(waves: Density, width: float, nyquist: float) -> float:
     """Where the density falls by a thousand within six rings of `width` and stays there."""
     count = max(1, int(nyquist / width))
@@ -316,7 +283,7 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
     def rings(part: slice) -> tuple[Array, NDArray[np.int64]]:
         qy, qx = wave_numbers(waves, part)
         q = np.hypot(qy[:, None], qx[None, :])
-        return q, (q * _TIED / width).astype(np.int64)
+        return q, (q * TIED / width).astype(np.int64)
 
     def sums(part: slice, density: Array) -> Array:
         ring = rings(part)[1].ravel()
@@ -353,4 +320,4 @@ def _ring_edges(lowest: float, nyquist: float) -> NDArray[np.float64]:
     edges = [0.5 * lowest]
     while edges[-1] < nyquist:
         edges.append(max(edges[-1] * _RING, edges[-1] + lowest))
-    return _TIED * np.array([*edges[:-1], nyquist])
+    return TIED * np.array([*edges[:-1], nyquist])

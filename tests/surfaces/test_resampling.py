@@ -87,11 +87,3 @@ def test_a_single_spike_keeps_the_full_grid():
     spiked = hm.replace(heights=heights)
     assert shortest_wave(spiked, 0) == pytest.approx(shortest_wave(hm, 0), rel=0.1)
     assert coarse_map(spiked) is None
-
-
-@pytest.mark.parametrize("shape", [(8, 8), (9, 8), (8, 10)])
-def test_finer_pixels_hold_the_waves_of_two_pixels(shape):
-    """They were left out, as on coarser pixels."""
-    heights = np.random.default_rng(1).normal(size=shape)
-    fine = surfaces.resample(surfaces.HeightMap(heights, 1e-6, periodic=True), 1e-6 / 3)
-    assert_allclose(fine.heights[1::3, 1::3], heights, atol=1e-12)
