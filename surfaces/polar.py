@@ -182,8 +182,8 @@ class PolarProfile:
     Notes
     -----
     On each ray f is the not-a-knot cubic spline, with the slope 0 at the summit where the data
-    have no tip; on a ray where that spline would turn back
-    although the values rise, it is the monotone cubic (PCHIP), which is C1 only. Beyond the last
+    have no tip; on a ray where that spline would turn back although the values rise, its slopes
+    are limited so that it does not (Fritsch and Carlson 1980), and it is C1 only. Beyond the last
     radius f goes on with its last slope and the curvature 2 f/r^2 there; contacts that reach so
     far are flagged by the laws. Between the rays: periodic cubic spline in phi.
 
@@ -231,7 +231,7 @@ class PolarProfile:
     @cached_property
     def slope(self) -> Array:
         """Radial slope f_r at the nodes of each ray, shape (n_r, n_phi)."""
-        from scipy.interpolate import CubicSpline, PchipInterpolator
+        from scipy.interpolate import CubicSpline
 
         free = CubicSpline(self.r, self.f)
         slope, middle = free(self.r, 1), free((self.r[1:] + self.r[:-1]) / 2, 1)
@@ -245,7 +245,9 @@ class PolarProfile:
         small = -1e-9 * np.max(np.abs(slope))
         turned = rising & (np.any(slope < small, axis=0) | np.any(middle < small, axis=0))
         if np.any(turned):
-            slope[:, turned] = PchipInterpolator(self.r, self.f[:, turned])(self.r, 1)
+            secant = np.diff(self.f[:, turned], axis=0) / np.diff(self.r)[:, None]
+            before, after = np.vstack([secant[:1], secant]), np.vstack([secant, secant[-1:]])
+            slope[:, turned] = np.clip(slope[:, turned], 0.0, 3.0 * np.minimum(before, after))
         return np.asarray(slope)
 
     def __call__(self, r: ArrayLike, phi: ArrayLike) -> Array:

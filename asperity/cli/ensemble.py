@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=quantities.of("share"),
         metavar="SHARE",
         help="add members until the 95%% confidence interval of the mean contact area has this "
-        "half width, as 2%% (default: all members)",
+        "half width, as 2%%, at least 14 (default: all members)",
     )
     add_generation(parser.add_argument_group("surface of the seeds"))
     options.add_material_options(parser)

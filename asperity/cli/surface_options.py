@@ -211,12 +211,23 @@ def _output_options(parser: argparse.ArgumentParser, what: str) -> None:
 
 def add_generation(parser: Any) -> None:
     """Options that say what surface is made."""
-    parser.add_argument("--texture", choices=TEXTURES, default="self-affine")
+    what = "kind of surface (default self-affine)"
+    parser.add_argument("--texture", choices=TEXTURES, default="self-affine", help=what)
     parser.add_argument(
-        "--shape", type=quantities.whole("points"), nargs="+", default=[512, 512], metavar="N"
+        "--shape",
+        type=quantities.whole("points"),
+        nargs="+",
+        default=[512, 512],
+        metavar="N",
+        help="points NY NX, or of both sides (default 512)",
     )
     parser.add_argument(
-        "--size", type=LENGTH, nargs="+", default=[1e-3], metavar="L", help="lengths LY LX [m]"
+        "--size",
+        type=LENGTH,
+        nargs="+",
+        default=[1e-3],
+        metavar="L",
+        help="lengths LY LX [m], or of both sides (default 1 mm)",
     )
     for name, text in PARAMETERS.items():
         kind = "length" if "[m]" in text else "angle" if name == "angle" else "plain number"

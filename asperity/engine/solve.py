@@ -21,6 +21,7 @@ from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.model.plan import make_plan
 from asperity.parameters import DEFAULTS
 from asperity.progress import Progress, reported, require_function
+from asperity.results.curve import verified_facts
 from asperity.trust.verified import (
     Accuracy,
     anchors_suffice,
@@ -173,7 +174,7 @@ def solve(
         if curve is None:
             curve = scene.exact(values, asked.times(1.0))
         if choice.engine in ("anchored", "sampled") and curve.extra["anchor"].all():
-            why = f"{choice.reason}; but the model did not hold so well"
+            why = f"the model did not hold so well; {choice.engine} was tried, {choice.reason}"
             choice = choice._replace(engine="bem", reason=why)
             curve = replace(curve, model="bem")
         clock.stage("boundary elements")
@@ -183,8 +184,7 @@ def solve(
     told = {
         "reason": choice.reason,
         "accuracy": [asked.load, asked.area],
-        "met": _met(curve, asked),
-        "anchors": np.flatnonzero(curve.extra["anchor"]).tolist(),
+        **verified_facts(curve, asked.load, asked.area),
         "reference": f"grid of the map, {hm.shape[0]} x {hm.shape[1]}, {scene.boundary}",
         "resolution_uncertainty": [left.load, left.area],
         "resolution": left.told_by,
@@ -314,7 +314,9 @@ class _Scene:
             # the lightest load was solved before, by a judge that keeps what it solves
             if not self.fits:
                 return UNTOLD
-            self.exact(values[[first]], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
+            again = np.unique([first, len(values) // 2])
+            direct = replace(self, judge=bem_curve)
+            direct.exact(values[again], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
         return resolution(self.hm, self.solved)
 
 
@@ -330,13 +332,6 @@ def _told(seconds: dict[str, float], least: str = "") -> str:
 def _marked(curve: ContactCurve, anchor: bool) -> ContactCurve:
     """The curve with the column `anchor`: whether boundary elements solved its load points."""
     return replace(curve, extra={**curve.extra, "anchor": np.full(len(curve), anchor)})
-
-
-def _met(curve: ContactCurve, asked: Accuracy) -> bool:
-    """Whether all load points converged with bounds within the accuracy asked for."""
-    area = curve.extra["area_error_estimate"]
-    inside = (curve.error_estimate <= asked.load) & (area <= asked.area)
-    return bool(np.all(inside & curve.converged))
 
 
 def _accuracy(load: float, area: float | None) -> Accuracy:

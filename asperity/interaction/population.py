@@ -203,11 +203,9 @@ def _before(last: Continuation, target: float, loaded: bool) -> float:
     """A load [Pa] or separation [m] between the last point, or first touch, and the target."""
     if last.under_load:
         before = last.under_load[-1]
-        middle = math.sqrt(target * before.pressure), 0.5 * (target + before.separation)
-    else:
-        top = last.system.highest
-        middle = LIGHTER_LOAD * target, top - LIGHTER_DEPTH * (top - target)
-    return middle[0] if loaded else middle[1]
+        return math.sqrt(target * before.pressure) if loaded else 0.5 * (target + before.separation)
+    top = last.system.highest
+    return LIGHTER_LOAD * target if loaded else top - LIGHTER_DEPTH * (top - target)
 
 
 def independent(last: Continuation, pressure: float) -> PopulationState:

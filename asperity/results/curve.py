@@ -142,12 +142,18 @@ class ContactCurve(CurveTable):
             raise InputError(
                 f"points are {points!r}; the load points are numbered 0 to {len(self) - 1}"
             ) from None
-        return dataclasses.replace(
+        chosen_points = dataclasses.replace(
             self,
             **{name: getattr(self, name)[index] for name in POINT_FIELDS},
             extra={name: np.asarray(values)[index] for name, values in self.extra.items()},
             reasons=tuple(self.reasons[i] for i in index),
         )
+        told = self.settings.get("verification")
+        if told is None:
+            return chosen_points
+        told = {**told, **verified_facts(chosen_points, *told["accuracy"])}
+        settings = {**self.settings, "verification": told}
+        return dataclasses.replace(chosen_points, settings=settings)
 
     def joined(self, later: ContactCurve) -> ContactCurve:
         """This curve followed by the points of a later run of the same model; times add up.
@@ -267,6 +273,14 @@ class ContactCurve(CurveTable):
         return "\n".join(lines)
 
     __repr__ = __str__
+
+
+def verified_facts(curve: ContactCurve, load: float, area: float) -> dict[str, Any]:
+    """Load points that boundary elements solved, and whether all converged with bounds within the
+    accuracy asked for in load and area."""
+    inside = (curve.error_estimate <= load) & (curve.extra["area_error_estimate"] <= area)
+    anchors = np.flatnonzero(curve.extra["anchor"]).tolist()
+    return {"met": bool(np.all(inside & curve.converged)), "anchors": anchors}
 
 
 def _column(

@@ -150,7 +150,7 @@ class InterfaceLaw:
             lower=np.insert(lower, 0, 0.0),
             upper=np.insert(upper, 0, 0.0),
             stiffness=np.insert(point.stiffness, 0, point.stiffness[0]),
-            conductance=np.insert(heat, 0, 0.0),
+            conductance=np.insert(heat, 0, 0.0 if "conductance" in more else np.nan),
             reference=reference,
             hardness=hardness,
         )

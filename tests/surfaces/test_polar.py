@@ -67,6 +67,17 @@ def test_table_continues_with_its_last_slope_beyond_the_last_radius():
     assert profile(3.0, 0.1) == pytest.approx(9.0)
 
 
+def test_a_turn_far_out_leaves_the_summit_as_it_is():
+    """The slopes of the whole ray were those of another cubic: the curvature was half as large
+    again, and loads 18 % too small."""
+    r = np.linspace(0.0, 1.0, 65)
+    f = np.where(r <= 0.7, r**2, np.where(r < 0.75, 0.49 + (r - 0.7) * 40, 2.5 + (r - 0.75) / 100))
+    profile = PolarProfile(r, TURN, np.repeat(f[:, None], TURN.size, axis=1))
+    np.testing.assert_allclose(profile.slope[:25, 0], 2.0 * r[:25], rtol=1e-5, atol=1e-9)
+    fine = np.linspace(0.0, 1.0, 2001)
+    assert (np.diff(profile(fine, 0.3)) > -1e-12).all()
+
+
 @pytest.mark.parametrize(
     ("build", "message"),
     [

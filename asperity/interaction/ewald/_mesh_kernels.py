@@ -23,9 +23,10 @@ from ._pair_block_kernels import VARIANCE_CAP
 
 @inner()
 def _lines(first, count):
-    """Four of the `count` lines or columns of the mesh from the first on, round the seam."""
-    a = np.uint64(first)
+    """Four of the `count` lines or columns of the mesh from the first on, round the seam: the place
+    of a point just before it may be rounded to the end of the mesh."""
     last = np.uint64(count)
+    a = np.uint64(first) if np.uint64(first) < last else np.uint64(first) - last
     b = a + np.uint64(1) if a + np.uint64(1) < last else a + np.uint64(1) - last
     c = a + np.uint64(2) if a + np.uint64(2) < last else a + np.uint64(2) - last
     d = a + np.uint64(3) if a + np.uint64(3) < last else a + np.uint64(3) - last

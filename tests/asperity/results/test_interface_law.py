@@ -236,3 +236,7 @@ def test_calculix_presses_two_blocks_by_the_law(tmp_path, curve):
     expected = np.interp(-found[:, 0], 1e3 * table.overclosure, 1e-6 * table.pressure)
     assert abs(found[:, 1]) == pytest.approx(expected, rel=1e-3)
     assert abs(found[:, 1]) == pytest.approx(asked[:, None] + 0 * expected, rel=1e-2)
+
+
+def test_a_conductance_that_is_not_known_is_not_zero_either(curve):
+    assert np.isnan(curve.to_interface_law().conductance).all()

@@ -309,3 +309,22 @@ def test_pairs_and_mesh_grow_with_the_points(boundary):
         plan = Interaction(y, x, CELL, boundary, Footprints(1.0, 0.0))
         assert plan.pairs < 10 * count
         assert np.prod(plan.mesh.shape) < 16 * count
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_points_just_before_the_seam_stay_on_the_mesh(seed):
+    """Their places were rounded to the end of the mesh: loops wrote beyond it."""
+    rng = np.random.default_rng(seed)
+    size = tuple((10.0 ** rng.uniform(-8, 3) * rng.uniform(0.7, 1.4, 2)).tolist())
+    found = []
+    for edge in (np.nextafter(size, 0.0), np.zeros(2)):
+        y, x = (
+            np.append(at, side * np.linspace(0.1, 0.9, 30))
+            for at, side in zip(edge, size, strict=True)
+        )
+        plan = Interaction(y, x, size, "periodic", Footprints(1.0, 0.0))
+        force = np.ones(len(y))
+        value = plan.field(force, np.full(len(y), (0.01 * size[0]) ** 2)).value
+        found.append(np.empty(len(y)))
+        found[-1][plan.order] = value
+    np.testing.assert_allclose(*found, rtol=1e-9)
