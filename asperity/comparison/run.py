@@ -14,13 +14,14 @@ from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
-from asperity.errors import ConvergenceError, cautious, warn_once
+from asperity.errors import ConvergenceError, InputError, cautious, warn_once
 from asperity.halfspace.load_points import checked_loads, default_pressures, map_facts
 from asperity.halfspace.material import HalfSpace
 from asperity.model.plan import Plan, make_plan, require_plan
 from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import provenance
+from asperity.results.table import require_curve
 from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 
@@ -123,6 +124,7 @@ def compare(
             judge = bem_curve(hm, material, **loads, tolerance=tolerance, boundary=plan.boundary)
         else:
             judge = reference()
+            _require_reference(judge, hm, material, plan.boundary, kind, values)
         say("microcontact model")
         pressures = _pressures(judge, kind, values)
         run = solve_contacts(hm, material, plan, pressures=pressures)
@@ -200,6 +202,29 @@ def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
     area = np.where(reference.converged, reference.area_fraction, model.area_fraction)
     away = np.abs(np.log(np.maximum(np.nan_to_num(area), 1e-12) / MAP_AREA_FRACTION))
     return int(np.argmin(np.where(reference.converged & model.converged, away, 1e3 + away)))
+
+
+def _require_reference(
+    judge: ContactCurve,
+    hm: HeightMap,
+    material: HalfSpace,
+    boundary: str,
+    kind: str,
+    values: NDArray[np.float64],
+) -> None:
+    """Refuse what is no curve by boundary elements of this map and body at these load points."""
+    require_curve(judge)
+    told = {**judge.settings, "model": judge.model}
+    wanted = {"model": "bem", "input": hm.digest, "boundary": boundary, **material.facts}
+    for name, value in wanted.items():
+        if told.get(name) != value:
+            raise InputError(
+                f"the reference is a curve of {name} {told.get(name)!r}, not {value!r}; give "
+                "boundary elements of this map and body"
+            )
+    asked = judge.extra.get(f"asked_{kind}", np.empty(0))
+    if asked.shape != values.shape or not np.allclose(asked, values, rtol=1e-9, atol=0.0):
+        raise InputError(f"the reference has other load points than the {len(values)} asked for")
 
 
 def _pressures(reference: ContactCurve, kind: str, values: NDArray[np.float64]) -> Array:

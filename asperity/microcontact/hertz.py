@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from surfaces.peaks.profiles import Profiles
 
-__all__ = ["ASPECT_EXPONENT", "EllipticContact", "elliptic_contact", "tabulate"]
+__all__ = ["ASPECT_EXPONENT", "EllipticContact", "axis_ratios", "elliptic_contact", "tabulate"]
 
 Array = NDArray[np.float64]
 
@@ -86,6 +86,16 @@ def elliptic_contact(
     force = 2 * np.pi * beta * major**2 * peak / (3 + m)
     stiffness = (3 + m) / 2 * force / np.where(d > 0, d, 1.0)
     return EllipticContact(beta * major, major, force, stiffness, peak)
+
+
+def axis_ratios(curvature: Array, m: float) -> Array:
+    """Short over long axis of contacts on summits with principal curvatures [1/m], shape (n, 2),
+    the larger first."""
+    steep, shallow = curvature.T
+    flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
+    curve = _aspect_curve(m)
+    place = np.maximum(np.log(np.clip(flatness, 1e-6, 1.0)), curve.x[0])
+    return np.asarray(np.exp(np.minimum(curve(place), 0.0)))
 
 
 def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
+from asperity.microcontact.hertz import axis_ratios
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import on_disk
 from surfaces.numerics.stored_array import StoredArray, mapped
@@ -197,7 +197,7 @@ class Decomposition:
     @functools.cached_property
     def aspect(self) -> Array:
         """Short over long axis of the contact on each summit, shape (n,)."""
-        return 1 / aspect_ratio(self.summits.curvature)
+        return axis_ratios(self.summits.curvature, self.material.m)
 
     @functools.cached_property
     def passes(self) -> tuple[NDArray[np.int32], Array]:

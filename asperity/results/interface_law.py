@@ -124,6 +124,8 @@ class InterfaceLaw:
                     f"conductance has shape {told['conductance'].shape}; give one number for each "
                     f"of the {loads.size} load points"
                 )
+            if not (np.isnan(told["conductance"]) | (told["conductance"] >= 0.0)).all():
+                raise InputError("a conductance is negative; give none (NaN) where it is unknown")
         low, high = usable.min(), usable.max()
         pressure = np.linspace(low ** (1 / 3), high ** (1 / 3), _ROWS - 1) ** 3
         point = read_off(columns, {"pressure": pressure})
@@ -197,7 +199,7 @@ class InterfaceLaw:
         if np.isnan(table[band]).any():
             raise InputError(f"the curve states no error: its law has no {band} band")
         mark = "# " if format == "moose" else "** "
-        lines = [mark + text for text in self._heading(units, band)]
+        lines = [mark + text for text in self._heading(units, band, len(rows))]
         lines += [mark + _CALCULIX_NOTE] if format == "calculix" else []
         if format == "moose":
             lines.append(",".join(table))
@@ -206,9 +208,10 @@ class InterfaceLaw:
         else:
             lines.append("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR")
             lines += _pairs(table["pressure"], table["overclosure"])
-            if np.isfinite(self.conductance).all():
+            known = np.isfinite(table["conductance"])
+            if known[1:].any():
                 lines.append("*GAP CONDUCTANCE" + (", PRESSURE" if format == "abaqus" else ""))
-                lines += _pairs(table["conductance"], table["pressure"])
+                lines += _pairs(table["conductance"][known], table["pressure"][known])
         with replacing(path) as part:
             part.write_text("\n".join(lines) + "\n")
 
@@ -225,11 +228,11 @@ class InterfaceLaw:
             text = as_path(path).read_text(errors="replace")
         except OSError as error:
             raise FileFormatError(f"{path}: cannot be read ({error.strerror})") from error
-        head = re.search(r"units (\S+), reference (\S+) m, hardness (\S+) Pa", text)
+        head = re.search(r"units (\S+), reference (\S+) m, hardness (\S+) Pa, rows (\d+)", text)
         lines = [line for line in text.splitlines() if not line.startswith(("**", "#"))]
         try:
             if head is None:
-                raise ValueError("its first lines lack units and reference")
+                raise ValueError("its first lines lack units, reference and the number of rows")
             scales = _scales(head[1])
             if lines[0].startswith("*"):
                 ends = [i for i, line in enumerate(lines) if line.startswith("*")] + [len(lines)]
@@ -237,10 +240,15 @@ class InterfaceLaw:
                     np.loadtxt(lines[i + 1 : j], delimiter=",") for i, j in itertools.pairwise(ends)
                 ]
                 nan = np.full(len(parts[0]), np.nan)
-                heat = parts[1][:, 0] if len(parts) > 1 else nan
+                heat = nan.copy()
+                if len(parts) > 1:
+                    heat[np.isin(parts[0][:, 0], parts[1][:, 1])] = parts[1][:, 0]
                 found = [parts[0][:, 1], parts[0][:, 0], nan, nan, nan, heat]
             else:
                 found = list(np.loadtxt(lines[1:], delimiter=",", unpack=True))
+            rising = (np.diff(found[:2], axis=1) > 0.0).all()
+            if len(found[0]) != int(head[4]) or not (text.endswith("\n") and rising):
+                raise ValueError("rows are missing, cut off or do not rise")
             columns = {
                 name: column / scales[name] for name, column in zip(scales, found, strict=True)
             }
@@ -248,10 +256,11 @@ class InterfaceLaw:
         except (ValueError, KeyError, IndexError) as error:
             raise FileFormatError(f"{path} is no interface law: {error}") from error
 
-    def _heading(self, units: str, band: str) -> list[str]:
+    def _heading(self, units: str, band: str, rows: int) -> list[str]:
         return [
             f"Interface law of asperity: mean pressure ({band}) against overclosure",
-            f"units {units}, reference {self.reference:.10g} m, hardness {self.hardness:.10g} Pa",
+            f"units {units}, reference {self.reference:.10g} m, hardness {self.hardness:.10g} Pa, "
+            f"rows {rows}",
             f"overclosure 0: the flat is {self.reference:.6g} m above the mean plane of the "
             "undeformed surface",
             f"the mean plane itself is at overclosure {self.reference:.6g} m",

@@ -49,6 +49,10 @@ AXES = {
     "mean_contact_pressure": ("mean contact pressure [MPa]", 1e6),
     "contacts": ("contact spots", 1.0),
     "stiffness": ("stiffness [MPa/µm]", 1e12),
+    "tangent_stiffness": ("tangent stiffness [MPa/µm]", 1e12),
+    "unloading_stiffness": ("stiffness of unloading [MPa/µm]", 1e12),
+    "asked_pressure": ("pressure asked for [MPa]", 1e6),
+    "asked_separation": ("separation asked for [µm]", 1e-6),
     "error_estimate": ("error estimate of the load [%]", 1e-2),
     "area_error_estimate": ("error estimate of the area [%]", 1e-2),
 }

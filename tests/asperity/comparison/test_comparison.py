@@ -177,3 +177,21 @@ def test_what_is_no_plan_or_no_reference_is_refused_before_any_run(given, told):
     hm = self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     with pytest.raises(InputError, match=told):
         asperity.compare(hm, asperity.HalfSpace(210e9, 0.3), pressures=[1e8], **given)
+
+
+def test_a_reference_of_another_run_is_refused():
+    """Errors were judged by it: of another modulus they were 206 % in place of 1 %."""
+    hm = self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6, seed=3)
+    other = hm.replace(heights=2.0 * hm.heights)
+    body, loads = asperity.HalfSpace(210e9, 0.3), [1e8, 1e9]
+    soft = asperity.HalfSpace(70e9, 0.3)
+    for wrong, told in (
+        (lambda: asperity.bem_curve(hm, soft, pressures=loads), "a curve of modulus"),
+        (lambda: asperity.bem_curve(other, body, pressures=loads), "a curve of input"),
+        (lambda: asperity.bem_curve(hm, body, pressures=loads, boundary="free"), "of boundary"),
+        (lambda: asperity.bem_curve(hm, body, pressures=[1e7, 1e8]), "other load points"),
+        (lambda: asperity.contact_curve(hm, body, pressures=loads), "a curve of model"),
+        (lambda: None, "curve"),
+    ):
+        with pytest.raises(InputError, match=told):
+            asperity.compare(hm, body, pressures=loads, reference=wrong)

@@ -13,6 +13,7 @@ from scipy.integrate import trapezoid
 import asperity
 import surfaces
 from asperity.cli.main import main
+from asperity.errors import FileFormatError
 from asperity.results.interface_law import FORMATS, UNITS
 from asperity.results.storage import ResultFile, write_results
 
@@ -240,3 +241,29 @@ def test_calculix_presses_two_blocks_by_the_law(tmp_path, curve):
 
 def test_a_conductance_that_is_not_known_is_not_zero_either(curve):
     assert np.isnan(curve.to_interface_law().conductance).all()
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_law_that_is_cut_off_or_damaged_is_refused(tmp_path, curve, form):
+    """Cut inside the last number, the work was 3e7 times as large."""
+    path = tmp_path / "law"
+    curve.to_interface_law().write(path, form)
+    text = path.read_text()
+    lines = text.splitlines(keepends=True)
+    wrong = text[:-4], "".join(lines[:-3]), "".join([*lines[:-1], lines[-2]]), text + lines[-1]
+    for damaged in (*wrong, text.replace(lines[-5], "nan, nan\n")):
+        path.write_text(damaged)
+        with pytest.raises(FileFormatError, match="no interface law"):
+            asperity.InterfaceLaw.read(path)
+
+
+def test_a_conductance_that_is_known_in_part_is_written_in_part(tmp_path, curve):
+    heat = asperity.constriction_conductance(curve, resistivity=(0.02, 0.02))
+    law = curve.to_interface_law(conductance=np.where(np.arange(len(heat)) > 0, heat, np.nan))
+    law.write(tmp_path / "law.inp", "abaqus")
+    back = asperity.InterfaceLaw.read(tmp_path / "law.inp")
+    known = np.isfinite(law.conductance)
+    assert 2 < known.sum() < known.size
+    np.testing.assert_allclose(back.conductance, law.conductance, rtol=1e-8)
+    with pytest.raises(asperity.InputError, match="negative"):
+        curve.to_interface_law(conductance=-heat)
