@@ -157,6 +157,15 @@ class PolynomialProfile(PowerSumProfile):
         object.__setattr__(self, "coefficients", given)
 
 
+def _least_slope(first: Array, last: Array, secant: Array) -> Array:
+    """Least slope of cubics between two nodes, from those at both and of the straight line."""
+    bend = 3.0 * (first + last - 2.0 * secant)
+    fall = 2.0 * first + last - 3.0 * secant
+    inside = (0.0 < fall) & (fall < bend)
+    lowest = first - fall**2 / np.where(inside, bend, 1.0)
+    return np.where(inside, lowest, np.minimum(first, last))
+
+
 @dataclass(frozen=True, eq=False)
 class PolarProfile:
     """Profile tabulated on rays, with a C2 (or monotone C1) cubic interpolation in r.
@@ -182,8 +191,8 @@ class PolarProfile:
     Notes
     -----
     On each ray f is the not-a-knot cubic spline, with the slope 0 at the summit where the data
-    have no tip; on a ray where that spline would turn back although the values rise, its slopes
-    are limited so that it does not (Fritsch and Carlson 1980), and it is C1 only. Beyond the last
+    have no tip; between nodes where that spline would turn back although the values rise, it has
+    the slopes of the monotone cubic (PCHIP), and is C1 only. Beyond the last
     radius f goes on with its last slope and the curvature 2 f/r^2 there; contacts that reach so
     far are flagged by the laws. Between the rays: periodic cubic spline in phi.
 
@@ -231,24 +240,28 @@ class PolarProfile:
     @cached_property
     def slope(self) -> Array:
         """Radial slope f_r at the nodes of each ray, shape (n_r, n_phi)."""
-        from scipy.interpolate import CubicSpline
+        from scipy.interpolate import CubicSpline, PchipInterpolator
 
-        free = CubicSpline(self.r, self.f)
-        slope, middle = free(self.r, 1), free((self.r[1:] + self.r[:-1]) / 2, 1)
+        slope = CubicSpline(self.r, self.f)(self.r, 1)
         smooth = np.abs(slope[0]) * self.r[1] < 0.1 * np.abs(self.f[1])
         if np.any(smooth):
             table = self.f[:, smooth]
             flat = CubicSpline(self.r, table, bc_type=((1, np.zeros(table.shape[1])), "not-a-knot"))
             slope[:, smooth] = flat(self.r, 1)
-            middle[:, smooth] = flat((self.r[1:] + self.r[:-1]) / 2, 1)
-        rising = np.all(np.diff(self.f, axis=0) >= 0, axis=0)
+        secant = np.diff(self.f, axis=0) / np.diff(self.r)[:, None]
+        rising = np.all(secant >= 0.0, axis=0)
         small = -1e-9 * np.max(np.abs(slope))
-        turned = rising & (np.any(slope < small, axis=0) | np.any(middle < small, axis=0))
-        if np.any(turned):
-            secant = np.diff(self.f[:, turned], axis=0) / np.diff(self.r)[:, None]
-            before, after = np.vstack([secant[:1], secant]), np.vstack([secant, secant[-1:]])
-            slope[:, turned] = np.clip(slope[:, turned], 0.0, 3.0 * np.minimum(before, after))
-        return np.asarray(slope)
+        monotone: Array | None = None
+        while True:  # at most once for each node
+            turns = rising & (_least_slope(slope[:-1], slope[1:], secant) < small)
+            if not np.any(turns):
+                return np.asarray(slope)
+            if monotone is None:
+                monotone = PchipInterpolator(self.r, self.f)(self.r, 1)
+            ends = np.pad(turns, ((0, 1), (0, 0))) | np.pad(turns, ((1, 0), (0, 0)))
+            if np.array_equal(slope[ends], monotone[ends]):  # but for rounding it rises
+                return np.asarray(slope)
+            slope = np.where(ends, monotone, slope)
 
     def __call__(self, r: ArrayLike, phi: ArrayLike) -> Array:
         """Gap f [m] at radius `r` [m] and angle `phi` [rad] (broadcast)."""

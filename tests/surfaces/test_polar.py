@@ -78,6 +78,18 @@ def test_a_turn_far_out_leaves_the_summit_as_it_is():
     assert (np.diff(profile(fine, 0.3)) > -1e-12).all()
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_rays_of_rising_values_never_fall(seed):
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(4, 40))
+    r = np.append(0.0, np.cumsum(rng.uniform(0.2, 2.0, count)))
+    f = np.cumsum(rng.exponential(size=(count + 1, 8)) ** rng.uniform(0.5, 5.0), axis=0)
+    profile = PolarProfile(r, TURN[::4], f - f[0])
+    for phi in TURN[::4]:
+        rise = np.diff(profile(np.linspace(0.0, r[-1], 3000), phi))
+        assert rise.min() > -1e-12 * f.max()
+
+
 @pytest.mark.parametrize(
     ("build", "message"),
     [
