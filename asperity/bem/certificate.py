@@ -150,7 +150,7 @@ def certify(
             level = 0.5 * (lowest + highest)
             if goal.level is not None:
                 level = max(min(goal.level, most), highest)
-    resolved = max(1e-5 * largest, 1e-6 * total / heights.size, 1e-8 * abs(level))
+    resolved = max(1e-6 * largest, 1e-6 * total / heights.size, 1e-8 * abs(level))
     approach = math.inf if goal.level is None else goal.level + highest_point
     scale = max(min(max(rms_height, resolved), approach), float(np.finfo(float).tiny))
     if count + held == 0:

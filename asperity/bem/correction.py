@@ -50,6 +50,10 @@ _MAX_CORRECTIONS = 60
 _MAX_IDLE = 6
 """Successive corrections that hardly lower the error after which the solution has stagnated."""
 
+_ROUNDING = 1e-11
+"""Error of a stagnated solution, over the largest displacement, that is rounding of the transforms:
+of a flat map, which has no height, no more can be asked for."""
+
 _SMALL_GRID = 128 * 128
 """Points of a grid up to which its whole transform is cheaper than the split operator."""
 
@@ -196,6 +200,8 @@ class NestedGrid:
                 cap=self.cap,
             )
             points.fill(self.exact.pressure, values)
+        if worst * reading.scale <= _ROUNDING * float(np.abs(self.exact.displacement).max()):
+            return GridSolution(reading, iterations, tolerance, True, "")
         reason = (
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
