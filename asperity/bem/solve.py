@@ -139,12 +139,10 @@ def bem_solve(
 
 def _given(guess: BemSolution | ArrayLike, shape: tuple[int, int]) -> NDArray[np.float64] | None:
     """Pressure of a guess, checked; None if nothing is pressed there."""
+    if isinstance(guess, BemSolution):
+        guess = guess.pressure
     try:
-        given = (
-            guess.pressure
-            if isinstance(guess, BemSolution)
-            else as_numbers("guess", guess, finite=False)
-        )
+        given = as_numbers("guess", guess, finite=False)
     except InputError:  # no numbers
         given = np.empty(0)
     if given.shape != shape or not np.isfinite(given).all():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import copy
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,7 +70,7 @@ def _solve(
 ) -> Mapping[str, Any]:
     from asperity.engine.solve import solve
     from asperity.halfspace.load_points import checked_loads
-    from asperity.results.resume import with_held
+    from asperity.results.resume import require_continuable, with_held
     from asperity.results.storage import ResultFile, write_results
 
     settings = settings_of(args)
@@ -77,8 +78,8 @@ def _solve(
     judge = _Resumable(args, request)
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
     count = len(values)
-    if args.resume:
-        values = with_held(values, kind, args.output, request)
+    if args.resume and Path(args.output).exists():
+        values = with_held(values, kind, require_continuable(args.output, request))
     points: dict[str, Any] = {f"{kind}s": values}
     curve = solve(hm, material, **points, **settings, judge=judge)
     curves = {one.model: one for one in (judge.solved, curve) if one is not None}

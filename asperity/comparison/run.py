@@ -19,7 +19,7 @@ from asperity.halfspace.load_points import checked_loads, default_pressures, map
 from asperity.halfspace.material import HalfSpace
 from asperity.model.plan import Plan, make_plan, require_plan
 from asperity.progress import Progress, reported, require_function
-from asperity.results.curve import ContactCurve
+from asperity.results.curve import ContactCurve, require_facts
 from asperity.results.storage import provenance
 from asperity.results.table import require_curve
 from asperity.warmup import small_map
@@ -214,14 +214,8 @@ def _require_reference(
 ) -> None:
     """Refuse what is no curve by boundary elements of this map and body at these load points."""
     require_curve(judge)
-    told = {**judge.settings, "model": judge.model}
-    wanted = {"model": "bem", "input": hm.digest, "boundary": boundary, **material.facts}
-    for name, value in wanted.items():
-        if told.get(name) != value:
-            raise InputError(
-                f"the reference is a curve of {name} {told.get(name)!r}, not {value!r}; give "
-                "boundary elements of this map and body"
-            )
+    facts = {"model": "bem", "input": hm.digest, "boundary": boundary, **material.facts}
+    require_facts(judge, facts)
     asked = judge.extra.get(f"asked_{kind}", np.empty(0))
     if asked.shape != values.shape or not np.allclose(asked, values, rtol=1e-9, atol=0.0):
         raise InputError(f"the reference has other load points than the {len(values)} asked for")

@@ -311,7 +311,7 @@ class _Scene:
         known = (pressure > 0.0) & (curve.extra["anchor"] | (told is None))
         first = int(np.argmin(np.where(known, pressure, np.inf)))
         if known.any() and (told is None or told.mean_pressure > (1.0 + 1e-6) * pressure[first]):
-            # the lightest load was solved before, by a judge that keeps what it solves
+            # it was solved before, by a judge that keeps what it solves, and so was the middle one
             if not self.fits:
                 return UNTOLD
             again = np.unique([first, len(values) // 2])

@@ -80,7 +80,8 @@ class Elongation:
 
 
 def aspect_ratio(curvature: Array) -> Array:
-    """Long over short axis of Hertz contacts on summits of curvatures [1/m], shape (n, 2)."""
+    """Long over short axis of Hertz contacts on summits of curvatures [1/m], shape (n, 2): by the
+    fit for m = 0 that `joined_pairs` inverts; `hertz.axis_ratios` are exact."""
     steep, shallow = curvature.T
     flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
     return np.asarray(np.clip(flatness, 1e-6, 1.0) ** -ASPECT_EXPONENT)

@@ -126,7 +126,8 @@ class ContactCurve(CurveTable):
         return read_off(self.columns(), asked)
 
     def select(self, points: ArrayLike) -> ContactCurve:
-        """The curve of some load points (indices or a mask), in that order.
+        """The curve of some load points (indices or a mask), in that order; a verification counts
+        those alone.
 
         Raises
         ------
@@ -142,7 +143,7 @@ class ContactCurve(CurveTable):
             raise InputError(
                 f"points are {points!r}; the load points are numbered 0 to {len(self) - 1}"
             ) from None
-        chosen_points = dataclasses.replace(
+        found = dataclasses.replace(
             self,
             **{name: getattr(self, name)[index] for name in POINT_FIELDS},
             extra={name: np.asarray(values)[index] for name, values in self.extra.items()},
@@ -150,10 +151,9 @@ class ContactCurve(CurveTable):
         )
         told = self.settings.get("verification")
         if told is None:
-            return chosen_points
-        told = {**told, **verified_facts(chosen_points, *told["accuracy"])}
-        settings = {**self.settings, "verification": told}
-        return dataclasses.replace(chosen_points, settings=settings)
+            return found
+        told = {**told, **verified_facts(found, *told["accuracy"])}
+        return dataclasses.replace(found, settings={**self.settings, "verification": told})
 
     def joined(self, later: ContactCurve) -> ContactCurve:
         """This curve followed by the points of a later run of the same model; times add up.
@@ -168,14 +168,8 @@ class ContactCurve(CurveTable):
             If they are of two models, maps or bodies.
         """
         require_curve(later)
-        facts = [{**part.settings, "model": part.model} for part in (self, later)]
-        for name in OF_ONE_RUN:
-            one, other = (part.get(name) for part in facts)
-            if one != other:
-                raise InputError(
-                    f"a curve of {name} {one!r} is not continued by one of {name} {other!r}; join "
-                    "those of one model, map and body"
-                )
+        own = {**self.settings, "model": self.model}
+        require_facts(later, {name: own.get(name) for name in OF_ONE_RUN})
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)])
             for name in POINT_FIELDS
@@ -273,6 +267,17 @@ class ContactCurve(CurveTable):
         return "\n".join(lines)
 
     __repr__ = __str__
+
+
+def require_facts(curve: ContactCurve, facts: Mapping[str, Any]) -> None:
+    """Refuse a curve of another model, map or body than these facts tell."""
+    told = {**curve.settings, "model": curve.model}
+    for name, wanted in facts.items():
+        if told.get(name) != wanted:
+            raise InputError(
+                f"a curve of {name} {told.get(name)!r} does not belong to one of {name} "
+                f"{wanted!r}; give one of the same model, map and body"
+            )
 
 
 def verified_facts(curve: ContactCurve, load: float, area: float) -> dict[str, Any]:

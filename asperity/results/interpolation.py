@@ -205,11 +205,12 @@ def _apart(logs: NDArray[np.float64]) -> list[int]:
     """Indices of ascending values that are `LEAST_STEP` apart, from the first to the last."""
     kept: list[int] = []
     for i, value in enumerate(logs.tolist()):
-        if kept and value - logs[kept[-1]] <= (LEAST_STEP if len(kept) > 1 else 0.0):
-            kept.pop()  # the later one stays: the last is an end of the curve
-        kept.append(i)
-    if len(kept) > 2 and logs[kept[1]] - logs[kept[0]] <= LEAST_STEP:
-        del kept[1]
+        if not kept or value - logs[kept[-1]] > LEAST_STEP:
+            kept.append(i)
+    last = len(logs) - 1
+    if kept and kept[-1] < last and logs[last] > logs[kept[-1]]:
+        # the end of the curve stays, in place of the last point kept if that is not the first
+        kept[max(len(kept) - 1, 1) :] = [last]
     return kept
 
 

@@ -48,10 +48,11 @@ def run_resumably(
     interruption. Returned are all points in the order of `values`.
     """
     done, asked, count = None, f"asked_{kind}", len(values)
-    if chained and resume:
-        values = with_held(values, kind, path, request)
     if resume and Path(path).exists():
-        curve = require_continuable(path, request).curves.get(model)
+        before = require_continuable(path, request)
+        if chained:
+            values = with_held(values, kind, before)
+        curve = before.curves.get(model)
         if curve is not None:
             known = curve.converged.any() and asked in curve.extra
             done = curve.select(curve.converged) if known else None
@@ -87,16 +88,11 @@ def run_resumably(
 
 
 def with_held(
-    values: NDArray[np.float64],
-    kind: str,
-    path: str | os.PathLike[str],
-    request: Mapping[str, Any],
+    values: NDArray[np.float64], kind: str, before: ResultFile[ContactCurve]
 ) -> NDArray[np.float64]:
-    """Load points, shape (n,), followed by the others that curves of a results file converged at;
-    a file of another request is refused."""
-    if not Path(path).exists():
-        return values
-    curves, asked = require_continuable(path, request).curves.values(), f"asked_{kind}"
+    """Load points, shape (n,), followed by the others at which curves of a results file
+    converged."""
+    curves, asked = before.curves.values(), f"asked_{kind}"
     held = [each.extra[asked][each.converged] for each in curves if asked in each.extra]
     others = np.unique(np.concatenate([*held, np.empty(0)]))
     known = np.isclose(others[:, None], values, rtol=1e-12, atol=0.0).any(axis=1)

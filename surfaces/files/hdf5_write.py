@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surfaces.errors import (
-    LONGEST_LENGTH,
     InputError,
     SurfaceError,
     as_choice,
@@ -21,6 +20,7 @@ from surfaces.errors import (
     as_text,
     as_truth,
     checked_history,
+    checked_range,
     checked_spacing,
     shown,
 )
@@ -135,7 +135,8 @@ def _whole_chunks(
     blocks: Iterable[ArrayLike], shape: tuple[int, int], side: int
 ) -> Iterator[tuple[int, NDArray[np.float64]]]:
     """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
-    held, written, present = np.empty((0, shape[1])), 0, False
+    held, written = np.empty((0, shape[1])), 0
+    low, high = np.nan, np.nan
     if not isinstance(blocks, Iterable):
         raise InputError(f"blocks is {shown(blocks)}; give the heights in blocks of whole rows")
     for block in blocks:
@@ -143,9 +144,8 @@ def _whole_chunks(
         rows = as_numbers(f"block at row {row}", block, finite=False, copy=False)
         if np.isinf(rows).any():
             raise SurfaceError(f"block at row {row} holds infinite heights; mark missing with NaN")
-        if np.abs(rows).max(initial=0.0, where=~np.isnan(rows)) > LONGEST_LENGTH:
-            raise SurfaceError(f"block at row {row} holds heights beyond {LONGEST_LENGTH:g} m")
-        present = present or not np.isnan(rows).all()
+        low = float(np.fmin.reduce(rows, axis=None, initial=low))
+        high = float(np.fmax.reduce(rows, axis=None, initial=high))
         if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:
             raise SurfaceError(f"block at row {row} has shape {rows.shape} in a map of {shape}")
         held = np.concatenate([held, rows]) if len(held) else rows
@@ -158,7 +158,6 @@ def _whole_chunks(
         raise SurfaceError(
             f"the blocks hold {written + len(held)} of {shape[0]} rows; give all of them"
         )
-    if not present:
-        raise SurfaceError("every point of the height map is missing (NaN)")
+    checked_range(low, high, ())
     if len(held):
         yield written, held

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import cv2
 from numpy.typing import ArrayLike, NDArray
@@ -31,12 +31,13 @@ def read_picture(
     never states its unit, the height of one grey level, such as 2.5nm. What is no grey picture of
     one page may still be a format of an instrument.
     """
-    if _white_is_zero(path.read_bytes()):
+    content = path.read_bytes()
+    if _white_is_zero(content):
         raise FileFormatError(
             f"{path}: states that 0 is white, and so leaves open whether bright is high; save it "
             "with 0 as black"
         )
-    grey = _only_page(str(path))
+    grey = _only_page(str(path), content)
     if grey is None or grey.ndim != 2:
         hint = "; as a picture, it is damaged, in color, of several pages or fewer than 8 bits"
         return read_instrument(path, dataset, unit, spacing, hint)
@@ -49,14 +50,13 @@ def read_picture(
     return as_map(grey, path, unit, spacing, {})
 
 
-def _only_page(path: str) -> NDArray[Any] | None:
-    """The picture of a file; None if it holds several or fewer than 8 bits, which OpenCV stretches
-    to 8, or is damaged."""
+def _only_page(path: str, content: bytes) -> NDArray[Any] | None:
+    """The picture of a file with this content; None if it holds several or fewer than 8 bits, which
+    OpenCV stretches to 8, or is damaged."""
     log: Any = getattr(cv2.utils, "logging", cv2)  # since OpenCV 5
     told = log.setLogLevel(0)
     try:
-        sound = _is_sound(Path(path).read_bytes())
-        if sound and cv2.haveImageReader(path) and cv2.imcount(path) == 1:
+        if _is_sound(content) and cv2.haveImageReader(path) and cv2.imcount(path) == 1:
             return cv2.imread(path, cv2.IMREAD_UNCHANGED)
         return None
     except cv2.error:  # a header that states more points than the library takes
@@ -68,12 +68,12 @@ def _only_page(path: str) -> NDArray[Any] | None:
 def _white_is_zero(content: bytes) -> bool:
     """Whether the first page of a TIFF says so: the library turns such pictures of 8 bits over, and
     leaves others."""
-    order = {b"II*\0": "little", b"MM\0*": "big"}.get(content[:4])
-    if order is None:
+    if content[:4] not in (b"II*\0", b"MM\0*"):
         return False
+    order: Literal["little", "big"] = "little" if content[:1] == b"I" else "big"
 
     def number(at: int, size: int) -> int:
-        return int.from_bytes(content[at : at + size], order)  # type: ignore[arg-type]
+        return int.from_bytes(content[at : at + size], order)
 
     first = number(4, 4)
     entries = (first + 2 + 12 * entry for entry in range(number(first, 2)))

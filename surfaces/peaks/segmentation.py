@@ -17,7 +17,7 @@ from . import _flood
 from .peaks import Peaks
 from .strips import Flooded, flood_strips, neighbor_distances
 
-__all__ = ["checked_wolf", "segment"]
+__all__ = ["require_wolf", "segment"]
 
 _MOST_PIXELS = 2**31 - 4  # links are kept in 32 bits
 
@@ -204,7 +204,7 @@ def _falling(
     return order
 
 
-def checked_wolf(wolf: float) -> None:
+def require_wolf(wolf: float) -> None:
     """Refuse a limit of Wolf pruning that is no percentage."""
     if not 0.0 <= as_number("wolf", wolf) <= 100.0:
         raise InputError(f"wolf is {wolf}; it must be a percentage from 0 to 100")
@@ -215,7 +215,7 @@ def _limit(hm: HeightMap, min_prominence: float, wolf: float | None) -> float:
         raise InputError(f"min_prominence is {min_prominence}; it must be a height of at least 0 m")
     if wolf is None:
         return float(min_prominence)
-    checked_wolf(wolf)
+    require_wolf(wolf)
     return max(float(min_prominence), wolf / 100.0 * (hm.roughness.highest - hm.roughness.lowest))
 
 

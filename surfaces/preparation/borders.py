@@ -85,10 +85,12 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
                 f"the tapered strip is {strip:g} m wide; it must be at least {NARROWEST_FADE:g} "
                 f"pixels, {least:g} m, and at most half of {min(hm.size):g} m"
             )
-        across, along = (
-            _window(place, length, max(strip, min(NARROWEST_FADE * step, 0.5 * length)))
-            for place, length, step in zip((hm.y, hm.x), hm.size, hm.spacing, strict=True)
-        )
+        strips = [
+            max(strip, min(NARROWEST_FADE * step, 0.5 * length))
+            for step, length in zip(hm.spacing, hm.size, strict=True)
+        ]
+        across = _window(hm.y, hm.size[0], strips[0])
+        along = _window(hm.x, hm.size[1], strips[1])
         mean = hm.roughness.mean
         made = hm.with_rows(
             (begin, mean + (rows - mean) * (across[begin:end, None] * along))
@@ -96,7 +98,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         )
         kept = np.count_nonzero(across == 1.0) * np.count_nonzero(along == 1.0)
         changed = float(hm.source.size - kept) / hm.source.size
-        step["width"] = strip
+        step["width"] = max(strips)
     elif how == "smooth":
         carrier = _seam_carrier(hm.source)
         made = hm.with_rows(

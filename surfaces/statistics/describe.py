@@ -12,7 +12,7 @@ from typing import NamedTuple
 from surfaces.checks import tilt_warning, unit_warning
 from surfaces.errors import SurfaceError, as_path
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.peaks.segmentation import checked_wolf
+from surfaces.peaks.segmentation import require_wolf
 
 from .bearing import BearingCurve, bearing_curve
 from .correlation import Autocorrelation, Texture, autocorrelation, texture
@@ -173,7 +173,7 @@ class Curves(NamedTuple):
 
 def described(hm: HeightMap, wolf: float = 5.0) -> tuple[Statistics, Curves]:
     """As `describe`, with the curves, each of which is found once."""
-    checked_wolf(wolf)
+    require_wolf(wolf)
     heights, hybrid, curve = height_parameters(hm), differences(hm), bearing_curve(hm)
     missing = hm.missing / hm.source.size
     spectrum, fit, hills, direction = None, None, dict.fromkeys(FEATURES, math.nan), math.nan

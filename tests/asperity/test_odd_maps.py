@@ -234,3 +234,18 @@ def test_a_contact_without_a_stiffness_ends_in_a_reason():
     curve = asperity.contact_curve(hm, body, pressures=[1.4e-9, 1.6e-8, 3.4e-3])
     assert all(curve.reasons[i] for i in np.flatnonzero(~curve.converged))
     assert np.isfinite(curve.separation[curve.converged]).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_separations_that_cross_zero(seed):
+    """A step that does not settle took the root of a separation below zero."""
+    hm = surfaces.self_affine(
+        (32, 128), (3.2e-4, 1.28e-3), hurst=0.8, rms_slope=0.1, cutoff=8e-5, seed=seed
+    )
+    heights = np.array(hm.heights)
+    heights[10] = heights.mean()
+    hm = surfaces.HeightMap(heights, hm.spacing)
+    separations = heights.std() * np.array([1.0, 0.5, 0.0, -0.3, -1.0, -2.0])
+    body = asperity.HalfSpace.from_modulus(1e11)
+    curve = asperity.contact_curve(hm, body, separations=separations)
+    assert curve.converged[:3].all() and (np.diff(curve.mean_pressure[curve.converged]) > 0).all()

@@ -7,7 +7,6 @@ import sys
 import zipfile
 from pathlib import Path
 
-import cv2
 import h5py
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from scipy.io import savemat
 
 import surfaces
 from surfaces.errors import FileFormatError, InputError, SurfaceError
-from surfaces.units import metres_per
 
 from .fuzz_hdf5 import mutate_bytes
 
@@ -26,34 +24,6 @@ HEIGHTS[2, 3] = np.nan
 
 def sample() -> surfaces.HeightMap:
     return surfaces.HeightMap(HEIGHTS * 1e-6, SPACING, periodic=True, name="sample")
-
-
-@pytest.mark.parametrize(
-    ("name", "metres"),
-    [
-        ("m", 1.0),
-        ("mm", 1e-3),
-        ("um", 1e-6),
-        ("\N{MICRO SIGN}m", 1e-6),
-        ("\N{GREEK SMALL LETTER MU}m", 1e-6),
-        ("nm", 1e-9),
-        ("\N{ANGSTROM SIGN}", 1e-10),
-        ("micron", 1e-6),
-        ("Micrometers", 1e-6),
-        ("inch", 0.0254),
-        (" mm ", 1e-3),
-        ("2.5nm", 2.5e-9),
-        ("1e-3 um", 1e-9),
-    ],
-)
-def test_units(name: str, metres: float) -> None:
-    assert metres_per(name) == metres
-
-
-@pytest.mark.parametrize("name", ["", "parsec", "Mm", "s", "nm2", "None", "2.5", "0nm", "-1um"])
-def test_unknown_units(name: str) -> None:
-    with pytest.raises(InputError, match="is not a unit of length"):
-        metres_per(name)
 
 
 @pytest.mark.parametrize("suffix", [".h5", ".npz", ".txt", ".csv"])
@@ -334,18 +304,6 @@ def test_a_row_of_missing_points_may_come_first(tmp_path):
         assert found.shape == (5, 3) and np.isnan(found.heights[[0, 2]]).all()
 
 
-def test_columns_of_points_with_a_hole_are_a_map(tmp_path):
-    """A hole wider than ten pixels hid the lines; repeated points made a map of three columns."""
-    y, x = (place.ravel() for place in np.mgrid[:30, :40])
-    points = np.stack([x, y, np.sin(x) + y], axis=1).astype(float)
-    np.savetxt(tmp_path / "hole.txt", points[(x < 10) | (x >= 22)])
-    found = surfaces.read(tmp_path / "hole.txt", unit="um")
-    assert found.shape == (30, 40) and found.missing == 12 * 30
-    np.savetxt(tmp_path / "twice.txt", np.vstack([points, points[:1]]))
-    with pytest.raises(surfaces.FileFormatError, match="repeatedly"):
-        surfaces.read(tmp_path / "twice.txt", unit="um", spacing=1e-6)
-
-
 def test_a_region_of_an_array_is_given_as_of_hdf5(tmp_path):
     hm = surfaces.self_affine((12, 16), (12e-6, 16e-6), hurst=0.8, rms_slope=0.1)
     surfaces.write(hm, tmp_path / "a.npz")
@@ -362,23 +320,6 @@ def test_names_that_no_file_can_have(name):
     assert "no such file" in str(surfaces.validate(name)[0])
     with pytest.raises(InputError, match="zero byte"):
         surfaces.read("a\0" + name)
-
-
-def test_pictures_that_call_zero_white_are_refused(tmp_path):
-    """The library turns those of 8 bits over, and leaves others."""
-    path = tmp_path / "a.tif"
-    cv2.imwrite(str(path), np.arange(64, dtype=np.uint8).reshape(8, 8))
-    content = bytearray(path.read_bytes())
-    surfaces.read(path, unit="nm", spacing=1e-6)
-    order = "little" if content[:2] == b"II" else "big"
-    first = int.from_bytes(content[4:8], order)
-    for entry in range(int.from_bytes(content[first : first + 2], order)):
-        at = first + 2 + 12 * entry
-        if int.from_bytes(content[at : at + 2], order) == 262:
-            content[at + 8 : at + 10] = b"\0\0"
-    path.write_bytes(content)
-    with pytest.raises(surfaces.FileFormatError, match="0 is white"):
-        surfaces.read(path, unit="nm", spacing=1e-6)
 
 
 def test_empty_facts_state_nothing(tmp_path):

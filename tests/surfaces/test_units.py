@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surfaces.errors import InputError
-from surfaces.units import QUANTITIES, quantities, quantity
+from surfaces.units import QUANTITIES, metres_per, quantities, quantity
 
 POWERS = {
     "length": {"um": -6, "nm": -9, "mm": -3, "\N{MICRO SIGN}m": -6},
@@ -74,3 +74,31 @@ def test_all_of_a_list_have_units_or_none():
 
 def test_numbers_beyond_any_exponent_are_infinite():
     assert quantity("1e99999999999999999999GPa", "pressure") == math.inf
+
+
+@pytest.mark.parametrize(
+    ("name", "metres"),
+    [
+        ("m", 1.0),
+        ("mm", 1e-3),
+        ("um", 1e-6),
+        ("\N{MICRO SIGN}m", 1e-6),
+        ("\N{GREEK SMALL LETTER MU}m", 1e-6),
+        ("nm", 1e-9),
+        ("\N{ANGSTROM SIGN}", 1e-10),
+        ("micron", 1e-6),
+        ("Micrometers", 1e-6),
+        ("inch", 0.0254),
+        (" mm ", 1e-3),
+        ("2.5nm", 2.5e-9),
+        ("1e-3 um", 1e-9),
+    ],
+)
+def test_units(name: str, metres: float) -> None:
+    assert metres_per(name) == metres
+
+
+@pytest.mark.parametrize("name", ["", "parsec", "Mm", "s", "nm2", "None", "2.5", "0nm", "-1um"])
+def test_unknown_units(name: str) -> None:
+    with pytest.raises(InputError, match="is not a unit of length"):
+        metres_per(name)

@@ -9,7 +9,6 @@ import pytest
 from oracles import HertzTable
 from strategies import random_population
 
-import asperity
 import surfaces
 from asperity.contacts.run import solve_contacts
 from asperity.errors import InputError
@@ -349,18 +348,3 @@ def test_contacts_that_move_aside_settle_from_point_to_point():
         steps.append(state.iterations)
     assert state.converged and state.contact_area > 0.1 * population.nominal_area
     assert sum(steps[-30:]) <= 3
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_separations_that_cross_zero(seed):
-    """A step that does not settle took the root of a separation below zero."""
-    hm = surfaces.self_affine(
-        (32, 128), (3.2e-4, 1.28e-3), hurst=0.8, rms_slope=0.1, cutoff=8e-5, seed=seed
-    )
-    heights = np.array(hm.heights)
-    heights[10] = heights.mean()
-    hm = surfaces.HeightMap(heights, hm.spacing)
-    separations = heights.std() * np.array([1.0, 0.5, 0.0, -0.3, -1.0, -2.0])
-    body = asperity.HalfSpace.from_modulus(1e11)
-    curve = asperity.contact_curve(hm, body, separations=separations)
-    assert curve.converged[:3].all() and (np.diff(curve.mean_pressure[curve.converged]) > 0).all()

@@ -146,3 +146,15 @@ def test_equal_areas_are_read_as_they_are_found():
     curve = dataclasses.replace(curve, area_fraction=share, contact_area=2.0 * share)
     area = curve.at(pressure=4e6).area_fraction
     assert curve.at(area_fraction=area).mean_pressure == pytest.approx(4e6, rel=1e-9)
+
+
+def test_loads_that_lie_close_are_all_read():
+    """A chain of steps below that of a knot keeps every other point, not its ends alone."""
+    pressure = np.append(1e6, np.geomspace(1e8, 1.2e8, 400))
+    separation = 9.0 - np.log(pressure / 1e6) - 0.01 * np.sin(40 * np.log(pressure / 1e8))
+    curve = made(pressure, separation)
+    asked = np.geomspace(1.01e8, 1.19e8, 50)
+    found = curve.at(pressure=asked).separation
+    np.testing.assert_allclose(
+        found, np.interp(np.log(asked), np.log(pressure), separation), atol=1e-4
+    )

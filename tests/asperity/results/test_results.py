@@ -155,7 +155,7 @@ def test_a_curve_is_joined_to_a_later_one_of_the_same_run():
     assert joined.verification is None and joined.settings["input"] == "map 1"
     others = {"model": "bem"}, {"settings": {**facts, "input": "map 2"}}
     for other in others:
-        with pytest.raises(InputError, match="is not continued by"):
+        with pytest.raises(InputError, match="does not belong to"):
             first.joined(dataclasses.replace(second, **other))
     with pytest.raises(InputError, match="a contact curve is needed, not int"):
         first.joined(3)
