@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.special import ellipe, ellipk
 
 from asperity.halfspace.footprint import Footprints
-from asperity.microcontact.hertz import ASPECT_EXPONENT
+from asperity.microcontact.hertz import axis_ratios
 from asperity.parameters import DEFAULTS, ElongationBounds
 
-__all__ = ["Elongation", "aspect_ratio"]
+__all__ = ["Elongation"]
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class Elongation:
     ) -> Elongation:
         """Elongation of contacts on summits with principal curvatures [1/m], shape (n, 2), the
         larger first, and directions of the long axis [rad], (n,)."""
-        ratio = np.minimum(aspect_ratio(curvature), bounds.aspect)
+        ratio = np.minimum(1.0 / axis_ratios(curvature, footprints.m), bounds.aspect)
         place, known = _compliance(footprints.power, bounds.aspect)
         size = np.interp(np.log(ratio), place, known) ** (2 / footprints.power)  # g
         squared = np.maximum(1 - ratio**-2, 1e-9)  # e^2, the argument of SciPy's integrals
@@ -77,14 +77,6 @@ class Elongation:
     def rows(self, index: NDArray[np.int64]) -> Elongation:
         """Elongation of the contacts `index`."""
         return Elongation(self.moments[index], self.radii[index])
-
-
-def aspect_ratio(curvature: Array) -> Array:
-    """Long over short axis of Hertz contacts on summits of curvatures [1/m], shape (n, 2): by the
-    fit for m = 0 that `joined_pairs` inverts; `hertz.axis_ratios` are exact."""
-    steep, shallow = curvature.T
-    flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
-    return np.asarray(np.clip(flatness, 1e-6, 1.0) ** -ASPECT_EXPONENT)
 
 
 @functools.lru_cache(maxsize=16)

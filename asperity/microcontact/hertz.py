@@ -18,7 +18,14 @@ if TYPE_CHECKING:
 
     from surfaces.peaks.profiles import Profiles
 
-__all__ = ["ASPECT_EXPONENT", "EllipticContact", "axis_ratios", "elliptic_contact", "tabulate"]
+__all__ = [
+    "ASPECT_EXPONENT",
+    "EllipticContact",
+    "axis_ratios",
+    "curvature_ratios",
+    "elliptic_contact",
+    "tabulate",
+]
 
 Array = NDArray[np.float64]
 
@@ -98,6 +105,13 @@ def axis_ratios(curvature: Array, m: float) -> Array:
     return np.asarray(np.exp(np.minimum(curve(place), 0.0)))
 
 
+def curvature_ratios(axes: Array, m: float) -> Array:
+    """Larger over smaller principal curvature of summits whose contacts have half-axes of the
+    ratio `axes`, short over long."""
+    _, along, across = _integrals(axes, m)
+    return across / along
+
+
 def tabulate(profiles: Profiles, material: HalfSpace) -> LawTable:
     """Law table of the summits' curvatures; it ends where the ellipse has the basin's area."""
     k1, k2 = profiles.curvature[:, 0], profiles.curvature[:, 1]
@@ -153,7 +167,7 @@ def _integrals(beta: Array, m: float) -> tuple[Array, Array, Array]:
     the real axis for every aspect, so the trapezoidal rule errs by e^(-pi^2/step).
     """
     ratio = np.asarray(beta, dtype=float)[..., None]
-    start = np.log(ratio.min()) - _TAIL
+    start = np.log(ratio.min(initial=1.0)) - _TAIL
     x = start + _STEP * np.arange(int((_TAIL - start) / _STEP) + 1)
     cosine = 1 / (1 + np.exp(2 * x))
     sine = 1 / (1 + np.exp(-2 * x))

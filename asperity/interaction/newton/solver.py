@@ -27,19 +27,15 @@ in the end, some steps were halved up to 19 times."""
 ENERGY_NOISE = 1e-10
 """Change of energy, over the sum of the energies, that is within the error of the pair tables."""
 
-EARLY_RELAXATION = 0.8
-"""Share of the change of the contact shifts that the first steps take. Where forces rise, those of
-the neighbors fall, so that the full change overshoots."""
+EARLY_RELAXATION, RELAXATION, EARLY_STEPS = 0.8, 0.6, 3
+"""Shares of the change of the contact shifts that the first steps take, and the later ones, and how
+many are the first. Where forces rise, those of the neighbors fall, so that the full change
+overshoots: contacts on one ridge pass their load back and forth. Smaller shares, and those of
+Aitken's method down to 0.2, lose more where contacts pull each other along."""
 
 PREDICTED_SHIFT_SHARE = 0.6
 """Share of the last change of the contact shifts that the next prediction starts from: the
 extrapolation doubles the differences between points, and with 1 they grew from point to point."""
-
-FIXED_RELAXATION_STEPS = 3
-"""Number of steps with `EARLY_RELAXATION`; later ones take the share by Aitken's method."""
-
-RELAXATION_BOUNDS = (0.2, 1.0)
-"""Least and largest share."""
 
 ARMIJO_SHARE = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo 1966)."""
@@ -136,8 +132,7 @@ def _newton_steps(
 ) -> Generator[NDArray[np.int64], None, Solution]:
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
-    products, reason, held, share = 1, "", None, EARLY_RELAXATION
-    last = np.zeros(len(start))
+    products, reason, held = 1, "", None
     for step in range(MAX_NEWTON_STEPS + 1):
         state.balance(separation, load is not None)
         lacking = problem.laws.lacking(state.wanted)
@@ -158,12 +153,9 @@ def _newton_steps(
             if error > tolerance or wrong > 0.5 * tolerance:
                 reason = f"{MAX_NEWTON_STEPS} Newton steps left a residual of {error:.1e}"
             break
-        behind = state.risen - (state.risen if held is None else held)
-        if step >= FIXED_RELAXATION_STEPS:
-            share = _relaxed(share, last, behind, state.laws.stiffness)
-        held = state.risen if held is None else held + share * behind
-        tilt = tilt + (share if step >= FIXED_RELAXATION_STEPS else 1.0) * (state.field.tilt - tilt)
-        last = behind
+        share = EARLY_RELAXATION if step < EARLY_STEPS else RELAXATION
+        held = state.risen if held is None else held + share * (state.risen - held)
+        tilt = tilt + share * (state.field.tilt - tilt)
         state.raised(held - state.risen)
         tangent = tangent_of(state)
         solved = conjugate_gradients(
@@ -211,26 +203,6 @@ def _newton_steps(
         shares=compliance,
         linearized=state,
     )
-
-
-def _relaxed(
-    share: float,
-    last: Array,
-    behind: Array,
-    stiffness: Array,
-) -> float:
-    """Relaxation factor of Aitken: the share of the change `last` that would have made the present
-    difference `behind` smallest, weighted by stiffness, within `RELAXATION_BOUNDS`.
-
-    Contacts on one ridge can pass their load back and forth, or pull each other along: no fixed
-    share makes both converge.
-    """
-    change = behind - last
-    whole = float(np.sum(stiffness * change * change))
-    if not whole:
-        return share
-    found = -share * float(np.sum(stiffness * last * change)) / whole
-    return min(max(found, RELAXATION_BOUNDS[0]), RELAXATION_BOUNDS[1])
 
 
 def _forcing(residual: float, tolerance: float) -> float:

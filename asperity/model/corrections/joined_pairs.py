@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.microcontact.basin_bem.press import press
-from asperity.microcontact.hertz import ASPECT_EXPONENT
+from asperity.microcontact.hertz import curvature_ratios
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -46,7 +46,7 @@ def join(
         found = press(one, roots, depth[:, None] * np.array([1.0, 2.0]), material)[:, -1]
         far = found[:, 0] == 0.0
         if not far.any():
-            return one, *_forms(one, roots, found[:, 4:7].T)
+            return one, *_forms(one, roots, found[:, 4:7].T, material.m)
         kept = ~far[slot] | (approach.max(axis=1) < depth[slot])
         pairs, approach, low = pairs[kept], approach[kept], low[kept]
     return summits, summits.curvature, summits.angle
@@ -70,19 +70,19 @@ def _joining(
     return pairs, approach, low - bounds.slack * approach.mean(axis=1)
 
 
-def _forms(summits: Summits, rows: Rows, moments: Array) -> tuple[Array, Array]:
+def _forms(summits: Summits, rows: Rows, moments: Array, m: float) -> tuple[Array, Array]:
     """Principal curvatures [1/m] and directions [rad] of all summits; the contacts of the summits
     `rows` have the second moments yy, xx, yx, shape (3, k), of their area.
 
-    Hertz contacts have b/a = (k2/k1)^`ASPECT_EXPONENT`, and the moments are as a^2 and b^2. The
-    geometric mean of the curvatures stays. Moments of no area change nothing.
+    The moments are as the squares of the half-axes, of which a Hertz contact has the ratio of its
+    curvatures. The geometric mean of the curvatures stays. Moments of no area change nothing.
     """
     curvature, angle = summits.curvature.copy(), summits.angle.copy()
     yy, xx, yx = moments
     mean, skew = 0.5 * (yy + xx), np.hypot(0.5 * (yy - xx), yx)
     wide = mean > skew
     rows, yy, xx, yx, mean, skew = (array[wide] for array in (rows, yy, xx, yx, mean, skew))
-    steep = ((mean + skew) / (mean - skew)) ** (0.25 / ASPECT_EXPONENT)
+    steep = np.sqrt(curvature_ratios(np.sqrt((mean - skew) / (mean + skew)), m))
     middle = np.sqrt(np.prod(curvature[rows], axis=1))
     curvature[rows] = np.stack((middle * steep, middle / steep), axis=1)
     angle[rows] = 0.5 * np.arctan2(2.0 * yx, xx - yy)
