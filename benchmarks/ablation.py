@@ -116,7 +116,6 @@ CORRECTIONS = {
             f"{NEWTON}.contact_shift.contact_shifts",
             f"{NEWTON}._newton_kernels.shift_contacts",
             f"{NEWTON}.state.State.lag",
-            f"{NEWTON}._newton_kernels.lag",
         ),
     ),
     "centers of contacts": Correction(

@@ -34,7 +34,6 @@ from ._pair_block_kernels import (
     TINY,
     TO_COLUMN,
     TO_ROW,
-    VARIANCE_CAP,
     WIDE,
     ZERO,
     columns,
@@ -147,24 +146,6 @@ def _set_sums(count, s, d, both, dy, dx):
         s[k + WIDE] = wide
         s[k + STEEP] = reach
         s[k + SKEW] = np.float32(both[FOUR * k + TWO]) - NEGLIGIBLE * reach
-
-
-@compiled()
-def in_split_lengths(variance, growth, moment, size, skew, eta, exact, record, wide, dipole):
-    """What `near_fields` reads, in split lengths, for footprints of `size` times the `variance` and
-    `growth`. `exact` is the variance."""
-    square = 1.0 / (eta * eta)
-    for i in range(variance.size):
-        unit = square * size[i]
-        exact[i] = unit * variance[i]
-        broad = exact[i] + 0.5 * unit * growth[i]
-        wide[i] = broad
-        record[i, 0] = exact[i]
-        record[i, 1] = broad
-        record[i, 2] = broad * skew[i]
-        record[i, 3] = min(exact[i], VARIANCE_CAP)
-        dipole[i, 0] = moment[i, 0] / eta
-        dipole[i, 1] = moment[i, 1] / eta
 
 
 @compiled(fastmath=FAST)

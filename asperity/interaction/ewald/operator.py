@@ -17,6 +17,7 @@ from asperity.halfspace.footprint import Footprints, pair_table, smooth_part, sm
 from surfaces.numerics.parallel import each
 
 from . import _mesh_kernels, _near_kernels, _pair_kernels
+from ._pair_block_kernels import VARIANCE_CAP
 from .mesh import Mesh, SmoothField, mesh_of
 from .near_pairs import (
     CUT_OVER_SPLIT_LENGTH,
@@ -212,16 +213,14 @@ class Interaction:
         whole force, shape (n,), and `moment` force times shift [N m] of those that have moved,
         shape (n, 2); both zero if None.
         """
-        n = len(force)
-        size, skew, parts = self.form
-        m, record, wide = np.empty(n), np.empty((n, 4)), np.empty(n, np.float32)
-        moment = np.zeros((n, 2)) if moment is None else moment / self.unit
+        n, (size, skew, parts) = len(force), self.form
         force = force / self.unit
-        growth = np.zeros(n) if growth is None else growth
-        dipole = np.empty((n, 2))
-        _pair_kernels.in_split_lengths(
-            variance, growth, moment, size, skew, self.eta, m, record, wide, dipole
-        )
+        dipole = np.zeros((n, 2)) if moment is None else moment / self.unit / self.eta
+        square = size * (1.0 / self.eta**2)
+        m = square * variance
+        broad = m if growth is None else m + 0.5 * square * growth
+        record = np.stack((m, broad, broad * skew, np.minimum(m, VARIANCE_CAP)), axis=1)
+        wide = broad.astype(np.float32)
         found = Field(np.empty(n), np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n))
 
         def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:

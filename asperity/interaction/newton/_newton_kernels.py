@@ -8,9 +8,7 @@ inverse D^-1 + D^-1 P E P' D^-1 of `TwoLevelPreconditioner`.
 
 from __future__ import annotations
 
-import math
-
-from surfaces.numerics.compiled import QUOTIENTS, compiled
+from surfaces.numerics.compiled import compiled
 
 SMALLEST_APPROACH = 1e-200
 """Approach [m] below which a contact stays where it is."""
@@ -47,30 +45,6 @@ def shift_contacts(
         gain[i] = rise
         shift[i, 0], shift[i, 1] = y, x
         moment[i, 0], moment[i, 1] = force[i] * y, force[i] * x
-
-
-@compiled(fastmath=QUOTIENTS)
-def lag(force, stiffness, tilt, shift, next_shift, moved, gain):
-    """Share of the load by which the step from `shift` to `next_shift` can still change it.
-
-    The relative change of the work of the moments, sum F |g| |ds| / sum F |g| |s|, times the load
-    that all contact shifts make: the larger of sum k |moved| and sum 2 k gain.
-    """
-    whole = 0.0
-    change = 0.0
-    others = 0.0
-    own = 0.0
-    load = 0.0
-    for i in range(force.size):
-        f = force[i]
-        load += f
-        slope = tilt[i, 0] ** 2 + tilt[i, 1] ** 2
-        whole += f * math.sqrt(slope * (next_shift[i, 0] ** 2 + next_shift[i, 1] ** 2))
-        dy, dx = next_shift[i, 0] - shift[i, 0], next_shift[i, 1] - shift[i, 1]
-        change += f * math.sqrt(slope * (dy * dy + dx * dx))
-        others += stiffness[i] * abs(moved[i])
-        own += 2.0 * stiffness[i] * gain[i]
-    return change / whole * max(others, own) / load if whole > 0.0 else 0.0
 
 
 @compiled()

@@ -13,7 +13,6 @@ from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import ROUND, Interaction
 from asperity.parameters import DEFAULTS, ContactShift
 
-from . import _newton_kernels
 from .contact_shift import contact_shifts
 from .laws import Laws
 
@@ -104,19 +103,19 @@ class State:
 
     @property
     def lag(self) -> float:
-        """Share of the load by which the step from `shift` to `next_shift` can still change it
-        (`_newton_kernels.lag`)."""
-        return float(
-            _newton_kernels.lag(
-                self.laws.force,
-                self.laws.stiffness,
-                self.field.tilt,
-                self.shift,
-                self.next_shift,
-                self.field.moved,
-                self.gain,
-            )
-        )
+        """Share of the load by which the step from `shift` to `next_shift` can still change it.
+
+        The relative change of the work of the moments, sum F |g| |ds| / sum F |g| |s|, times the
+        load that all contact shifts make: the larger of sum k |moved| and sum 2 k gain.
+        """
+        law, pull = self.laws, self.laws.force * np.hypot(*self.field.tilt.T)
+        whole = float(np.sum(pull * np.hypot(*self.next_shift.T)))
+        if not whole > 0.0:
+            return 0.0
+        change = float(np.sum(pull * np.hypot(*(self.next_shift - self.shift).T)))
+        others = float(np.sum(law.stiffness * np.abs(self.field.moved)))
+        own = 2.0 * float(np.sum(law.stiffness * self.gain))
+        return change / whole * max(others, own) / float(law.force.sum())
 
     def balance(self, separation: float, balanced: bool) -> None:
         """Compute the residual at a separation [m]; `linearize` is called next.
