@@ -13,6 +13,7 @@ from typing import Any
 import surfaces
 from surfaces.checks import constant
 from surfaces.errors import InputError
+from surfaces.history import in_words
 
 from . import batch, targets
 from .exit_codes import EXIT_OK
@@ -95,7 +96,7 @@ def _describe(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> 
         f"pixel       {dy:.6g} x {dx:.6g} m, map {ny * dy:.6g} x {nx * dx:.6g} m",
         f"periodic    {'yes' if hm.periodic else 'no'}",
         *str(found).splitlines(),
-        *(f"history     {_step_text(step)}" for step in hm.history),
+        *(f"history     {step}" for step in in_words(hm.history)),
     ]
     tell("\n".join([path, *(f"  {line}" for line in lines)]))
     spectral = {} if found.moments is None else {"rms_slope": found.moments.rms_slope}
@@ -111,18 +112,6 @@ def _describe(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> 
 def _map_row(hm: surfaces.HeightMap, missing: int) -> dict[str, Any]:
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
     return {"ny": ny, "nx": nx, "dy": dy, "dx": dx, "missing": missing, "periodic": hm.periodic}
-
-
-def _step_text(step: Mapping[str, object]) -> str:
-    details = ", ".join(f"{key} {_text(value)}" for key, value in step.items() if key != "step")
-    return f"{step.get('step', '?')}: {details}"
-
-
-def _text(value: object) -> str:
-    """A value of the history, its numbers to six digits."""
-    if isinstance(value, list | tuple):
-        return " ".join(map(_text, value))
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _validate(args: argparse.Namespace) -> Mapping[str, Any]:
@@ -160,8 +149,8 @@ def _read_and_prepared(args: argparse.Namespace) -> surfaces.HeightMap:
     """The map after the options of `add_preparation`, each step told as it is recorded."""
     before = read_map(args.file, args)
     hm = prepared(before, args)
-    for step in hm.history[len(before.history) :]:
-        tell(f"{args.file}: {_step_text(step)}")
+    for step in in_words(hm.history[len(before.history) :]):
+        tell(f"{args.file}: {step}")
     return hm
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from surfaces.heightmap import HeightMap
+from surfaces.history import in_words, preparation_warnings
 from surfaces.statistics.describe import Statistics, described
 
 from .figures import Figure
@@ -20,7 +21,6 @@ from .roughness import (
     spectrum_lines,
     surface_figure,
 )
-from .words import in_words, preparation_warnings
 
 __all__ = ["Section", "section", "write_page"]
 

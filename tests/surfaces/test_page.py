@@ -15,11 +15,11 @@ from pages import Page
 
 import surfaces
 from surfaces.drawing import prefixed_unit, with_unit
+from surfaces.history import in_words, preparation_warnings
 from surfaces.page import section, write_page
 from surfaces.page.fields import reduced, reduction, touched
 from surfaces.page.lines import TICKS, Line, line_figure
 from surfaces.page.roughness import height_layer
-from surfaces.page.words import in_words, preparation_warnings
 from surfaces.statistics import bearing, correlation, density
 
 

@@ -11,12 +11,12 @@ from typing import Any
 from asperity import __version__
 from asperity.comparison.record import ComparisonRecord
 from surfaces.errors import SurfaceError
+from surfaces.history import in_words, preparation_warnings
 from surfaces.page.fields import SHOWN
 from surfaces.page.figures import Figure
 from surfaces.page.lines import Line
 from surfaces.page.render import write_html
 from surfaces.page.roughness import parameters, spectrum_figure, spectrum_lines
-from surfaces.page.words import in_words, preparation_warnings
 from surfaces.statistics.describe import described
 
 from . import tables

@@ -20,7 +20,7 @@ def in_words(history: Iterable[Step]) -> list[str]:
 
     Examples
     --------
-    >>> from surfaces.page.words import in_words
+    >>> from surfaces.history import in_words
     >>> in_words([{"step": "level", "form": "plane"}, {"step": "sanded", "grit": 80}])
     ['Levelled: plane taken off.', 'sanded: grit 80']
     """
@@ -41,7 +41,7 @@ def preparation_warnings(history: Iterable[Step]) -> list[str]:
 
     Examples
     --------
-    >>> from surfaces.page.words import preparation_warnings
+    >>> from surfaces.history import preparation_warnings
     >>> taper = {"step": "periodic", "how": "taper", "area_changed": 0.36}
     >>> preparation_warnings([taper])[0][:52]
     'Tapering altered 36 % of the map: heights fade to th'
