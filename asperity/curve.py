@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.compilation import compile_ahead, curve_parts
 from asperity.errors import cautious
@@ -34,6 +34,7 @@ from asperity.trust.error_estimate import (
     terms,
 )
 from asperity.trust.verified import anchored
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
 __all__ = ["contact_curve", "solve_loads"]
@@ -220,7 +221,7 @@ class _Row(NamedTuple):
 
 
 def _sweep(
-    decomposition: Decomposition, kind: str, values: NDArray[np.float64]
+    decomposition: Decomposition, kind: str, values: Array
 ) -> Iterator[tuple[int, LoadPoint, _Row]]:
     """Solve the load points from light to heavy: the index of each in `values`, its point, its row.
 
@@ -268,7 +269,7 @@ def _curve(
     hm: HeightMap,
     decomposition: Decomposition,
     rows: Sequence[_Row],
-    asked: dict[str, NDArray[np.float64]],
+    asked: dict[str, Array],
     seconds: float,
 ) -> ContactCurve:
     """The curve of the load points `rows`; `asked` holds the loads or separations asked for, and

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array
 
 from .heightmap import HeightMap
 from .numerics.stored_array import Source, sampled_lines, windows
@@ -29,7 +30,6 @@ __all__ = [
     "unit_warning",
 ]
 
-Array = NDArray[np.float64]
 
 SLOPES = 1e-6, 10.0
 """Rms slopes outside which the units may be wrong."""

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -40,7 +42,7 @@ _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"
 
 def draw_field(
     axes: Axes | None,
-    values: NDArray[np.float64],
+    values: Array,
     size: tuple[float, float],
     name: str,
     unit: str,
@@ -112,7 +114,7 @@ def shown_shape(shape: Sequence[int], most: int) -> tuple[int, int]:
     return ny, nx
 
 
-def logarithmic(values: NDArray[np.float64]) -> bool:
+def logarithmic(values: Array) -> bool:
     """Whether an axis is better logarithmic: no value is negative, and they span a decade."""
     shown = values[np.isfinite(values) & (values != 0.0)]
     return bool(shown.size and shown.min() > 0.0 and shown.max() >= LOGARITHMIC_RATIO * shown.min())

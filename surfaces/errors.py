@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array
 
 __all__ = [
     "LARGEST_NUMBER",
@@ -89,9 +90,7 @@ def as_positive(name: str, value: Any) -> float:
     return number
 
 
-def as_numbers(
-    name: str, values: Any, *, finite: bool = True, copy: bool = True
-) -> NDArray[np.float64]:
+def as_numbers(name: str, values: Any, *, finite: bool = True, copy: bool = True) -> Array:
     """The argument called `name` as an array of real numbers of any shape; masked ones become NaN.
     With `finite` others are refused. Without `copy` the array given may be returned itself."""
     try:
@@ -109,7 +108,7 @@ def as_numbers(
     return np.asarray(array)
 
 
-def as_sizes(name: str, values: Any) -> NDArray[np.float64]:
+def as_sizes(name: str, values: Any) -> Array:
     """The argument called `name` as an array of any shape, of numbers that are zero or whose powers
     do not overflow."""
     array = as_numbers(name, values)
@@ -177,7 +176,7 @@ def as_path(path: str | os.PathLike[str]) -> Path:
     return Path(path)
 
 
-def checked_heights(heights: Any) -> NDArray[np.float64]:
+def checked_heights(heights: Any) -> Array:
     """Heights [m] as a read-only array (ny, nx), masked entries as NaN.
 
     A writable array is copied.
@@ -269,7 +268,7 @@ def checked_part(name: str, part: tuple[int, int], count: int) -> tuple[int, int
 
 
 def checked_span(
-    name: str, span: tuple[float, float] | None, places: NDArray[np.float64], length: float
+    name: str, span: tuple[float, float] | None, places: Array, length: float
 ) -> tuple[int, int]:
     """First pixel whose centre lies in a span [m], and one past the last."""
     ends = as_numbers(name, (0.0, length) if span is None else span, finite=False)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.drawing import draw_field, figure_height, image
 from surfaces.errors import (
     SurfaceError,
@@ -85,7 +85,7 @@ class HeightMap:
     (6e-06, 4e-06)
     """
 
-    heights: NDArray[np.float64]
+    heights: Array
     spacing: tuple[float, float]
     periodic: bool = dataclasses.field(default=False, kw_only=True)
     name: str = dataclasses.field(default="", kw_only=True)
@@ -109,7 +109,7 @@ class HeightMap:
         return self.heights
 
     @property
-    def mapped(self) -> NDArray[np.float64]:
+    def mapped(self) -> Array:
         """The heights [m] for loops that touch some of them, see `stored_array.mapped`."""
         heights = mapped(self.source).view()
         heights.setflags(write=False)
@@ -126,12 +126,12 @@ class HeightMap:
         return self.size[0] * self.size[1]
 
     @property
-    def x(self) -> NDArray[np.float64]:
+    def x(self) -> Array:
         """Pixel centres along the second axis [m], shape (nx,)."""
         return self.spacing[1] * np.arange(0.5, self.shape[1])
 
     @property
-    def y(self) -> NDArray[np.float64]:
+    def y(self) -> Array:
         """Pixel centres along the first axis [m], shape (ny,)."""
         return self.spacing[0] * np.arange(0.5, self.shape[0])
 
@@ -155,7 +155,7 @@ class HeightMap:
         return roughness(self.source, self.spacing, self.periodic)
 
     @functools.cached_property
-    def line_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def line_power(self) -> tuple[Array, Array]:
         """Mean squares [m^2] of the waves along y and x in some lines of the map, see
         `surfaces.roughness.line_power`."""
         from surfaces.roughness import line_power
@@ -216,7 +216,7 @@ class HeightMap:
 
     def with_rows(
         self,
-        blocks: Iterable[tuple[int, NDArray[np.float64]]],
+        blocks: Iterable[tuple[int, Array]],
         shape: tuple[int, int] | None = None,
         **changes: Any,
     ) -> HeightMap:

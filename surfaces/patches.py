@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from surfaces.arrays import Array, Index, Mask
+
 from .numerics import parallel
 from .numerics.compiled import inner
 from .numerics.stored_array import Source
@@ -17,7 +19,7 @@ __all__ = ["count_patches", "ends_of", "label_patches", "points_at", "root"]
 
 
 def label_patches(
-    mask: NDArray[np.bool_], *, periodic: bool, corners: bool = True
+    mask: Mask, *, periodic: bool, corners: bool = True
 ) -> tuple[NDArray[np.int32], int]:
     """Labels 1..n of the connected patches of a mask, 0 outside, (ny, nx), and their number n.
 
@@ -31,13 +33,13 @@ def label_patches(
     return labels, count - 1
 
 
-def count_patches(mask: NDArray[np.bool_], *, periodic: bool) -> int:
+def count_patches(mask: Mask, *, periodic: bool) -> int:
     """Number of the patches of a mask that `label_patches` finds."""
     labels, count = _components(mask, 8)
     return (_across_seam(labels, count, True)[0] if periodic else count) - 1
 
 
-def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int32], int]:
+def _components(mask: Mask, neighbors: int) -> tuple[NDArray[np.int32], int]:
     """Labels of the map without its continuation, and their number with the background."""
     import cv2
 
@@ -68,9 +70,7 @@ def _across_seam(
     return connected_components(links, directed=False)  # type: ignore[no-any-return]
 
 
-def points_at(
-    heights: Source, levels: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def points_at(heights: Source, levels: Array) -> tuple[Index, Index]:
     """Rows and columns of the points whose height may be one of some levels [m], and few others."""
     bits = max(10, int(levels.size).bit_length() + 4)  # 16 places for a level
     table = np.zeros(1 << bits, np.bool_)
@@ -85,7 +85,7 @@ def points_at(
     return row, column
 
 
-def _hashed(heights: NDArray[np.float64], bits: int) -> NDArray[np.uint64]:
+def _hashed(heights: Array, bits: int) -> NDArray[np.uint64]:
     """Places of heights in a table of 2^bits, by Fibonacci hashing."""
     words = (heights + 0.0).view(np.uint64)  # one zero, not two
     words *= np.uint64(0x9E3779B97F4A7C15)
@@ -93,7 +93,7 @@ def _hashed(heights: NDArray[np.float64], bits: int) -> NDArray[np.uint64]:
     return words
 
 
-def ends_of(lead: NDArray[np.int64]) -> NDArray[np.int64]:
+def ends_of(lead: Index) -> Index:
     """Thing at the end of the way from each thing to the one that it leads to, and so on; those at
     an end lead to themselves."""
     for _ in range(lead.size):
@@ -105,7 +105,7 @@ def ends_of(lead: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 @inner()
-def root(parent: NDArray[np.int64], i: Any) -> Any:
+def root(parent: Index, i: Any) -> Any:
     """First of the group of `i`, whose way to it is halved; it is its own parent."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]

@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.peaks.peaks import Peaks, require_peaks
 from surfaces.peaks.profiles import Profiles
 from surfaces.statistics.bearing import BearingCurve
@@ -236,7 +236,7 @@ def _mark(axes: Axes, peaks: Peaks, stride: int, extent: tuple[float, float, flo
     )
 
 
-def _ray_color(angle: float) -> NDArray[np.float64]:
+def _ray_color(angle: float) -> Array:
     """Dark along the long axis of the contact, light across it."""
     share = np.sin(angle) ** 2
     dark, light = np.array([0.12, 0.16, 0.20]), np.array([0.82, 0.29, 0.36])

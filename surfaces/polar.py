@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surfaces.arrays import Array
+
 from .errors import InputError, as_number, as_numbers, shown
 
 __all__ = ["PolarProfile", "PolynomialProfile", "PowerLawProfile", "PowerSumProfile"]
 
-Array = NDArray[np.float64]
 Angular = Callable[[Array], Any]
 
 

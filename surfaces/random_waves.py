@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory, room_for
 from surfaces.numerics.stored_array import Sections, spans
@@ -18,7 +19,6 @@ from .errors import LONGEST_LENGTH, SHORTEST_LENGTH, InputError, as_count, as_nu
 
 __all__ = ["RandomWaves", "checked_shape", "checked_size"]
 
-Array = NDArray[np.float64]
 Waves = NDArray[np.complex128]
 
 _EDGE = 1e-9
@@ -171,9 +171,7 @@ class RandomWaves:
         """Rows of the map [m] from the sums of their waves along y."""
         return np.asarray(fft.irfft(waves, self.shape[1], axis=1, workers=parallel.threads()))
 
-    def _frequencies(
-        self, row: NDArray[np.int64], column: NDArray[np.int64]
-    ) -> tuple[Array, Array]:
+    def _frequencies(self, row: Index, column: Index) -> tuple[Array, Array]:
         """Frequencies [1/m] of waves of the half spectrum along y and x."""
         ny = self.shape[0]
         whole = np.asarray(np.fft.fftfreq(ny, 1.0 / ny), np.float64)
@@ -191,7 +189,7 @@ class RandomWaves:
         phase *= 2.0 * np.pi
         return phase
 
-    def _amplitude(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:
+    def _amplitude(self, row: Index, column: Index) -> Array:
         """Unscaled amplitudes of waves; those of the mean and of the Nyquist lines are zero."""
         fy, fx = self._frequencies(row, column)
         if self.anisotropy == 1.0:

@@ -6,17 +6,14 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import SUMS, compiled, inner
 from surfaces.numerics.stored_array import Source, sampled_lines, windows
 
 __all__ = ["Roughness", "line_power", "roughness"]
 
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 ROW_BANDS = 32
 """Bands of rows whose highest points are kept."""

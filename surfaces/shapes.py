@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from surfaces.arrays import Array
 
 from .errors import InputError, as_count, as_number
 from .polar import PowerLawProfile, PowerSumProfile
@@ -21,7 +23,6 @@ __all__ = [
     "section",
 ]
 
-Array = NDArray[np.float64]
 
 MOST_SIDES = 1000
 """Sides of a polygon at most: integrals go from corner to corner, and more make a circle."""

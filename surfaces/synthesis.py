@@ -8,7 +8,8 @@ from collections.abc import Callable
 from typing import ParamSpec
 
 import numpy as np
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array
 
 from .errors import InputError, as_count, as_number, as_numbers, shown
 from .heightmap import HeightMap, require_map
@@ -18,8 +19,6 @@ __all__ = ["redistribute", "self_affine", "synthesis"]
 
 
 Arguments = ParamSpec("Arguments")
-
-Array = NDArray[np.float64]
 
 
 def synthesis(make: Callable[Arguments, HeightMap]) -> Callable[Arguments, HeightMap]:

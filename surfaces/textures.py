@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array
 
 from .errors import InputError
 from .heightmap import HeightMap
@@ -11,7 +12,6 @@ from .synthesis import self_affine, synthesis
 
 __all__ = ["ground", "plateau_honed", "turned", "two_scale"]
 
-Array = NDArray[np.float64]
 
 _SCRATCH = 12.0
 """Length over width of the scratches of a honed surface."""

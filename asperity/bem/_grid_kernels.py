@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Index
 from surfaces.numerics.compiled import EXTREMES, compiled
 
 BLOCK = 64
@@ -118,11 +119,7 @@ def extrapolate(
 
 @compiled()
 def put(
-    rows: tuple[int, int],
-    grid: Grid,
-    start: NDArray[np.int64],
-    columns: NDArray[np.int32],
-    values: Grid,
+    rows: tuple[int, int], grid: Grid, start: Index, columns: NDArray[np.int32], values: Grid
 ) -> None:
     """Write the values of a list into the grid, zero elsewhere."""
     for y in range(rows[0], rows[1]):
@@ -133,11 +130,7 @@ def put(
 
 @compiled()
 def take(
-    rows: tuple[int, int],
-    grid: Grid,
-    start: NDArray[np.int64],
-    columns: NDArray[np.int32],
-    values: Grid,
+    rows: tuple[int, int], grid: Grid, start: Index, columns: NDArray[np.int32], values: Grid
 ) -> None:
     """Read the values of a list out of the grid."""
     for y in range(rows[0], rows[1]):
@@ -177,11 +170,11 @@ def interpolate(
     rows: tuple[int, int],
     coarse: Grid,
     fine: Grid,
-    below_y: NDArray[np.int64],
-    above_y: NDArray[np.int64],
+    below_y: Index,
+    above_y: Index,
     share_y: Grid,
-    below_x: NDArray[np.int64],
-    above_x: NDArray[np.int64],
+    below_x: Index,
+    above_x: Index,
     share_x: Grid,
     factor: float,
 ) -> None:

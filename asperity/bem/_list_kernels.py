@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Mask
 from surfaces.numerics.compiled import EXTREMES, SUMS, compiled
 
 _NEWTON_STEPS = 10
@@ -19,17 +20,15 @@ _ROUNDING = 1e-6
 """
 
 Single = NDArray[np.float32]
-Double = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @compiled(fastmath=EXTREMES)
 def measure(
-    p: Double,
+    p: Array,
     moved: Single,
-    start_gap: Double,
+    start_gap: Array,
     change: Single,
-    active: Flags,
+    active: Mask,
     residual: Single,
     cap: float,
     held: bool,
@@ -82,7 +81,7 @@ def measure(
 
 @compiled(fastmath=SUMS)
 def turn(
-    active: Flags,
+    active: Mask,
     count: float,
     z: Single,
     residual: Single,
@@ -121,9 +120,9 @@ def turn(
 
 @compiled(fastmath=SUMS)
 def advance(
-    active: Flags,
+    active: Mask,
     count: float,
-    p: Double,
+    p: Array,
     change: Single,
     residual: Single,
     direction: Single,
@@ -160,7 +159,7 @@ def advance(
 
 
 @compiled(fastmath=EXTREMES)
-def leveling(p: Double, total: float, cap: float) -> Any:
+def leveling(p: Array, total: float, cap: float) -> Any:
     """Shift of the pressures between the bounds after which all, cut at 0 and cap, sum to `total`.
 
     Pressures p <= 0 and p = cap are not shifted. The shift is found by Newton steps on the sum;
@@ -199,7 +198,7 @@ def leveling(p: Double, total: float, cap: float) -> Any:
 
 
 @compiled(fastmath=EXTREMES)
-def cut(p: Double, base: Double, moved: Single, leveled: tuple[float, float], cap: float) -> float:
+def cut(p: Array, base: Array, moved: Single, leveled: tuple[float, float], cap: float) -> float:
     """Apply the result of `leveling` to p, cut p at 0 and cap, and set `moved` to p - base; returns
     the largest |p - base|."""
     shift, factor = leveled

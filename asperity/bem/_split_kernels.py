@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Index
 from surfaces.numerics.compiled import SUMS, compiled
 
 from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
@@ -18,7 +19,6 @@ COARSENING = 4
 TAPS = 4
 _FOUR = np.uint64(COARSENING)
 Single = NDArray[np.float32]
-Index = NDArray[np.int64]
 
 
 @compiled()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array, Index
 
 from .correction import GridSolution
 from .problem import ContactProblem
@@ -70,7 +71,7 @@ def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, 
     return max(AREA_OVER_LOAD_ERROR * _past_error(problem, solution), leap) + one, one
 
 
-def _by_length(lengths: NDArray[np.float64], far: float) -> NDArray[np.int64]:
+def _by_length(lengths: Array, far: float) -> Index:
     """Histogram of `lengths` [units] from 0 to `far`, in equal steps."""
     steps = round(_DECIDED_LENGTH * _LEVEL_PARTS)
     near = np.maximum(lengths[lengths < far], 0.0) / (far / steps)

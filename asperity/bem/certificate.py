@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.numerics.parallel import by_rows
 
 from ._grid_kernels import BLOCK, contact_sums
@@ -100,14 +100,14 @@ class Reading:
     total: float
     moment: float
     plastic_work: float
-    block_low: NDArray[np.float64]
+    block_low: Array
     weakest: float = 0.0
 
 
 def certify(
-    pressure: NDArray[np.float64],
-    displacement: NDArray[np.float64],
-    heights: NDArray[np.float64],
+    pressure: Array,
+    displacement: Array,
+    heights: Array,
     rms_height: float,
     *,
     cap: float,

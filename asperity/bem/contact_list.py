@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Index, Mask
 from surfaces.numerics.parallel import by_rows
 
 from ._grid_kernels import put, take
@@ -27,13 +28,13 @@ class ContactList:
         Column of each entry, shape (n,).
     """
 
-    start: NDArray[np.int64]
+    start: Index
     columns: NDArray[np.int32]
 
     def __len__(self) -> int:
         return self.columns.size
 
-    def where(self, kept: NDArray[np.bool_]) -> ContactList:
+    def where(self, kept: Mask) -> ContactList:
         """The entries that are kept, by a mask of shape (n,)."""
         before = np.append(0, np.cumsum(kept))
         return ContactList(before[self.start], self.columns[kept])

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array
 
 from . import _grid_kernels
 from .certificate import Prescribed, Reading, certify
@@ -22,7 +23,7 @@ from .split import SplitOperator
 
 __all__ = ["GridSolution", "NestedGrid", "PoorPredictionError", "PressureOrigin"]
 
-Selection = tuple[ContactList, NDArray[np.float64], NDArray[np.float64]]
+Selection = tuple[ContactList, Array, Array]
 """Points of a grid, their pressures p~ and their gaps u - h [m]."""
 
 _FIRST_BAND = 0.15
@@ -128,9 +129,7 @@ class NestedGrid:
         Mean, largest and root-mean-square height about the mean [m].
     """
 
-    def __init__(
-        self, heights: NDArray[np.float64], exact: HalfSpaceOperator, cap: float = math.inf
-    ) -> None:
+    def __init__(self, heights: Array, exact: HalfSpaceOperator, cap: float = math.inf) -> None:
         self.heights = heights
         self.exact = exact
         self.cap = cap
@@ -140,7 +139,7 @@ class NestedGrid:
         self._careful = False
 
     @property
-    def pressure(self) -> NDArray[np.float64]:
+    def pressure(self) -> Array:
         """Pressure p~ [m], shape (ny, nx): a view of the operator's input."""
         return self.exact.pressure[:, : self.heights.shape[1]]
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError, cautious, warn_once
@@ -26,6 +26,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import POINT_FIELDS
+from surfaces.arrays import Array, Mask
 from surfaces.errors import as_numbers
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import apart
@@ -62,7 +63,7 @@ class SolvedLoad:
     """
 
     columns: Mapping[str, float]
-    contact: NDArray[np.bool_]
+    contact: Mask
     part: SolvedPart
     reason: str
     hm: HeightMap
@@ -255,7 +256,7 @@ def _seen(problem: ContactProblem, columns: Mapping[str, float], reason: str) ->
     return SolvedLoad(columns, contact, solved_part(problem), reason, problem.hm)
 
 
-def _shares(kind: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _shares(kind: str, values: Array) -> Array:
     """Loads over the largest, ascending; a guess if separations are prescribed."""
     if kind == "pressure":
         return np.asarray(values / max(values[-1], 1e-300))

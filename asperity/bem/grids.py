@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from asperity.halfspace.load_points import Boundary
+from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
 from surfaces.preparation.resampling import resample_waves
 
@@ -38,11 +38,11 @@ def nested_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
 
 
 def coarse_maps(
-    heights: NDArray[np.float64],
+    heights: Array,
     boundary: Boundary,
     shapes: list[tuple[int, int]],
     origin: tuple[int, int] = (0, 0),
-) -> list[NDArray[np.float64]]:
+) -> list[Array]:
     """Coarser maps [m] of these shapes, coarsest first, of one map (ny, nx).
 
     Free: means over the pixels. Periodic: Fourier truncation, the Nyquist lines left out; `origin`
@@ -51,7 +51,7 @@ def coarse_maps(
     """
     import cv2
 
-    maps: list[NDArray[np.float64]] = []
+    maps: list[Array] = []
     for ny, nx in reversed(shapes):
         if boundary == "free":
             heights = np.asarray(cv2.resize(heights, (nx, ny), interpolation=cv2.INTER_AREA), float)
@@ -86,16 +86,12 @@ def prolong(
     parallel.by_rows(interpolate, fine_shape, *pressures, *rows, *columns, factor)
 
 
-def _shares(
-    n: int, below: NDArray[np.int64], above: NDArray[np.int64], share: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _shares(n: int, below: Index, above: Index, share: Array) -> Array:
     """Shares of all fine points in each of n coarse ones, along one axis."""
     return np.asarray(np.bincount(below, 1.0 - share, n) + np.bincount(above, share, n))
 
 
-def _places(
-    n: int, count: int, first: int, boundary: Boundary
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+def _places(n: int, count: int, first: int, boundary: Boundary) -> tuple[Index, Index, Array]:
     """Coarse points below and above each point of the fine grid along one axis, and their shares.
 
     Fourier truncation keeps the first point of the coarse grid on the point `first`, averaging the

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.numerics.parallel import apart, by_rows
 
 from ._grid_kernels import extrapolate
@@ -63,7 +64,7 @@ _LARGEST_STEP = 3.0
 extrapolated."""
 
 
-def split_loads(shares: NDArray[np.float64], points: int) -> list[range]:
+def split_loads(shares: Array, points: int) -> list[range]:
     """Split ascending loads into two chains that take about equal time.
 
     `shares` are the loads over the largest. There is one chain for few loads or on a grid of few
@@ -139,7 +140,7 @@ class LoadPath:
         self,
         problem: ContactProblem,
         accuracy: tuple[float, float] = NO_LIMIT,
-        guess: NDArray[np.float64] | None = None,
+        guess: Array | None = None,
     ) -> None:
         self.problem = problem
         self._accuracy, self._guess = accuracy, guess

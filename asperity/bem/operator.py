@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from asperity.halfspace.influence import compliance, influence, symbol_quadrant
 from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
+from surfaces.arrays import Array
 from surfaces.numerics.parallel import threads
 
 from . import convolution
@@ -54,7 +54,7 @@ class HalfSpaceOperator:
         self.pressure = self._convolution.values
         self.displacement = self._convolution.grid
 
-    def _scaled_symbol(self) -> NDArray[np.float64]:
+    def _scaled_symbol(self) -> Array:
         """Quadrant of the dimensionless symbol, divided by the number of points of the transform.
 
         The influence is even along both axes, so that its transform is a cosine transform of one
@@ -68,7 +68,7 @@ class HalfSpaceOperator:
         values = scipy.fft.dctn(quadrant, type=1, workers=threads(), overwrite_x=True)
         return np.asarray(values)
 
-    def apply(self) -> NDArray[np.float64]:
+    def apply(self) -> Array:
         """Displacement [m] of the pressure p~ in `pressure`: a buffer of ny rows, nx or more wide.
 
         p~ [m] is the pressure times `compliance`; columns of `pressure` beyond nx must be zero.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.halfspace.material import HalfSpace
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
 from .operator import HalfSpaceOperator
@@ -16,7 +16,6 @@ from .solution import read_contact
 
 __all__ = ["SolvedPart", "solved_part"]
 
-Array = NDArray[np.float64]
 
 POINTS = 160
 """Points along the sides of the part: enough contacts to tell what the pixels leave open, at a

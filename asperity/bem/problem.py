@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.influence import influence
 from asperity.halfspace.load_points import chosen_boundary
 from asperity.halfspace.material import HalfSpace
+from surfaces.arrays import Array
 from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics.parallel import threads as thread_count
@@ -97,9 +97,7 @@ class ContactProblem:
         """Whether there is any contact at the prescribed load or level."""
         return goal.mean > 0.0 if goal.level is None else -goal.level < self.finest.highest
 
-    def start(
-        self, goal: Prescribed, given: NDArray[np.float64] | None = None
-    ) -> GridSolution | None:
+    def start(self, goal: Prescribed, given: Array | None = None) -> GridSolution | None:
         """First pressure of the finest grid, from a given pressure or from the coarser grids.
 
         Returns how it went on the last of these, with the iterations spent on all of them.

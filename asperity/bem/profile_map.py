@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from surfaces.arrays import Array
 from surfaces.errors import InputError, as_numbers
 from surfaces.heightmap import HeightMap
 
@@ -28,12 +29,12 @@ around the contact of a paraboloid shows."""
 
 
 def sampled(
-    values: NDArray[np.float64],
+    values: Array,
     spacing: tuple[float, float],
     summit: tuple[float, float],
     x: ArrayLike,
     y: ArrayLike,
-) -> NDArray[np.float64]:
+) -> Array:
     """A field of a map at places (x, y) [m] from the summit, bilinear between the pixels."""
     from scipy.ndimage import map_coordinates
 
@@ -42,7 +43,7 @@ def sampled(
     return np.asarray(map_coordinates(values, place.reshape(2, -1), order=1)).reshape(px.shape)
 
 
-def gap(profile: Profile, r: NDArray[np.float64], phi: Any) -> NDArray[np.float64]:
+def gap(profile: Profile, r: Array, phi: Any) -> Array:
     """Gap [m] of a profile at places (r, phi) [m, rad].
 
     Raises

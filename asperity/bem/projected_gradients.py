@@ -6,7 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array
 
 from . import _list_kernels
 
@@ -38,8 +39,8 @@ does not fall: a step of steepest descent follows."""
 
 def solve_on_list(
     operator: SplitOperator | FullGridOperator,
-    pressure: NDArray[np.float64],
-    gap: NDArray[np.float64],
+    pressure: Array,
+    gap: Array,
     *,
     scale: float,
     tolerance: float,
@@ -130,8 +131,8 @@ class _State:
     def __init__(
         self,
         operator: SplitOperator | FullGridOperator,
-        pressure: NDArray[np.float64],
-        gap: NDArray[np.float64],
+        pressure: Array,
+        gap: Array,
         total: float | None,
         cap: float,
     ) -> None:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import Flag, InputError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
+from surfaces.arrays import Array
 from surfaces.errors import as_count, as_numbers
 
 from .certificate import Certificate
@@ -95,28 +96,28 @@ class BemIndentation:
         return np.sqrt(self.contact_area / np.pi)
 
     @property
-    def pressure_map(self) -> NDArray[np.float64]:
+    def pressure_map(self) -> Array:
         """Pressure [Pa] at the last approach, shape (grid, grid)."""
         return self.solutions[-1].pressure
 
     @property
-    def x(self) -> NDArray[np.float64]:
+    def x(self) -> Array:
         """Columns of `pressure_map` from the summit [m]."""
         return self.solutions[-1].surface.x - self.summit[-1][0]
 
     @property
-    def y(self) -> NDArray[np.float64]:
+    def y(self) -> Array:
         """Rows of `pressure_map` from the summit [m]."""
         return self.solutions[-1].surface.y - self.summit[-1][1]
 
-    def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def pressure(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels.
 
         Shape `(*approach.shape, *places.shape)`.
         """
         return self._each(lambda one, at: sampled(one.pressure, one.spacing, at, x, y))
 
-    def contour(self, phi: ArrayLike) -> NDArray[np.float64]:
+    def contour(self, phi: ArrayLike) -> Array:
         """Distance of the contact's edge from the summit [m] at angles `phi` [rad].
 
         Shape `(*approach.shape, *phi.shape)`.
@@ -129,16 +130,12 @@ class BemIndentation:
         angle = np.asarray(phi, dtype=float)
         return self._each(lambda one, at: _edge(one, at, angle))
 
-    def _each(
-        self, field: Callable[[BemSolution, tuple[float, float]], NDArray[np.float64]]
-    ) -> NDArray[np.float64]:
+    def _each(self, field: Callable[[BemSolution, tuple[float, float]], Array]) -> Array:
         found = np.array([field(*one) for one in zip(self.solutions, self.summit, strict=True)])
         return found.reshape(np.shape(self.approach) + found.shape[1:])
 
 
-def _edge(
-    solution: BemSolution, summit: tuple[float, float], angle: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _edge(solution: BemSolution, summit: tuple[float, float], angle: Array) -> Array:
     """Distance of the edge from the summit [m], see `BemIndentation.contour`."""
     reach = float(np.hypot(*np.multiply(solution.pressure.shape, solution.spacing)))
     r = np.linspace(0.0, reach, 4 * max(solution.pressure.shape))
@@ -224,7 +221,7 @@ def indent_bem(
     )
 
 
-def _shaped(values: list[Any], like: NDArray[np.float64]) -> Any:
+def _shaped(values: list[Any], like: Array) -> Any:
     return np.array(values).reshape(like.shape)[()]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.load_points import Boundary
+from surfaces.arrays import Array, Mask
 from surfaces.drawing import draw_field
 from surfaces.heightmap import HeightMap
 from surfaces.patches import count_patches, label_patches
@@ -84,9 +85,9 @@ class BemSolution:
     """
 
     surface: HeightMap
-    pressure: NDArray[np.float64]
-    gap: NDArray[np.float64]
-    plastic_depth: NDArray[np.float64]
+    pressure: Array
+    gap: Array
+    plastic_depth: Array
     separation: float
     mean_pressure: float
     load: float
@@ -110,7 +111,7 @@ class BemSolution:
     settings: Mapping[str, Any] = field(default_factory=dict)
 
     @property
-    def contact(self) -> NDArray[np.bool_]:
+    def contact(self) -> Mask:
         """Pixels under pressure, shape (ny, nx)."""
         return self.pressure > 0.0
 
@@ -120,7 +121,7 @@ class BemSolution:
         return float(self.settings.get("hardness", math.inf))
 
     @property
-    def saturated(self) -> NDArray[np.bool_]:
+    def saturated(self) -> Mask:
         """Pixels whose pressure is the hardness, shape (ny, nx)."""
         return self.pressure >= self.hardness
 
@@ -162,7 +163,7 @@ class BemSolution:
         """
         return draw_field(ax, self.pressure, self.surface.size, "pressure", "Pa", **style)
 
-    def outlines(self) -> list[NDArray[np.float64]]:
+    def outlines(self) -> list[Array]:
         """Outlines of the patches, polygons (x, y) [m], shape (n, 2) each."""
         return contours(self.contact, self.spacing)
 
@@ -193,12 +194,7 @@ class BemSolution:
 
 
 def read_contact(
-    pressure: NDArray[np.float64],
-    spacing: tuple[float, float],
-    nx: int,
-    hardness: float,
-    *,
-    periodic: bool,
+    pressure: Array, spacing: tuple[float, float], nx: int, hardness: float, *, periodic: bool
 ) -> tuple[float, float, int]:
     """Contact area [m^2] in pixels, the same corrected for the pixels at its edge, and the number
     of patches, of a pressure with nx columns or more. Hardness has the unit of the pressure.
@@ -217,7 +213,7 @@ def read_contact(
     return pixels * pixel, max(pixels - AREA_FACTOR * edges, least) * pixel, patches
 
 
-def _edges(contact: NDArray[np.bool_], periodic: bool) -> int:
+def _edges(contact: Mask, periodic: bool) -> int:
     """Edges along the first axis between pixels of the contact and others, and those at the border
     of the map, where its other side follows if it is periodic, no contact if not."""
     first, last = contact[0], contact[-1]
@@ -225,7 +221,7 @@ def _edges(contact: NDArray[np.bool_], periodic: bool) -> int:
     return int(np.count_nonzero(contact[1:] != contact[:-1]) + np.count_nonzero(border))
 
 
-def contours(contact: NDArray[np.bool_], spacing: tuple[float, float]) -> list[NDArray[np.float64]]:
+def contours(contact: Mask, spacing: tuple[float, float]) -> list[Array]:
     """Outlines of the patches as closed polygons of pixel centres (x, y) [m], shape (n, 2) each.
 
     A patch that crosses the seam of a periodic map gives one outline on each side of it.

@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.load_points import checked_load, expected_area_fraction, require_scene
 from asperity.halfspace.material import HalfSpace
+from surfaces.arrays import Array
 from surfaces.errors import as_numbers
 from surfaces.heightmap import HeightMap
 
@@ -137,7 +138,7 @@ def bem_solve(
     )
 
 
-def _given(guess: BemSolution | ArrayLike, shape: tuple[int, int]) -> NDArray[np.float64] | None:
+def _given(guess: BemSolution | ArrayLike, shape: tuple[int, int]) -> Array | None:
     """Pressure of a guess, checked; None if nothing is pressed there."""
     if isinstance(guess, BemSolution):
         guess = guess.pressure

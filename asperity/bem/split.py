@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
+from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
 
 from . import _split_kernels, convolution
@@ -113,7 +114,7 @@ class SplitOperator:
         return self._stencil(residual, self._inverse, True)
 
 
-def _taps(count: int, period: int, coarse: int) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+def _taps(count: int, period: int, coarse: int) -> tuple[Index, NDArray[np.float32]]:
     """First coarse point, -1 or more, and weights (count, order) of each point of the fine grid on
     one axis; the coarse points repeat."""
     place = np.arange(count) * (coarse / period)
@@ -124,7 +125,7 @@ def _taps(count: int, period: int, coarse: int) -> tuple[NDArray[np.int64], NDAr
 
 
 def _by_coarse_point(
-    first: NDArray[np.int64], weights: NDArray[np.float32], coarse: int
+    first: Index, weights: NDArray[np.float32], coarse: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
     """The weights of `_taps` by coarse point: bounds of those of each, fine points and weights."""
     target = (first[:, None] + np.arange(TAPS)) % coarse
@@ -135,7 +136,7 @@ def _by_coarse_point(
 
 
 def _remainder(
-    exact: HalfSpaceOperator, stencil: NDArray[np.float64], coarse: tuple[int, int]
+    exact: HalfSpaceOperator, stencil: Array, coarse: tuple[int, int]
 ) -> NDArray[np.float32]:
     """Quadrant of the coarse symbol: what the stencil leaves, over the transfer of the splines."""
     ky, kx = np.arange(coarse[0] // 2 + 1), np.arange(coarse[1] // 2 + 1)

@@ -15,9 +15,9 @@ from functools import lru_cache
 import numpy as np
 import scipy.fft
 import scipy.linalg
-from numpy.typing import NDArray
 
 from asperity.halfspace.influence import influence, symbol_quadrant
+from surfaces.arrays import Array
 
 from ._split_kernels import COARSENING, TAPS
 from ._stencil_kernels import RADIUS, SHORT_RADIUS
@@ -31,7 +31,7 @@ _LEAST_WEIGHT = 2e-3
 """Least weight of a frequency in the fit, relative to those beyond the coarse band."""
 
 
-def _fitting_weights(f: NDArray[np.float64]) -> NDArray[np.float64]:
+def _fitting_weights(f: Array) -> Array:
     """One outside the coarse band; inside it what spreading by B-splines aliases there."""
     largest = np.maximum(f[:, None], f)
     band = 0.5 / COARSENING
@@ -40,7 +40,7 @@ def _fitting_weights(f: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.maximum(np.minimum(ratio**TAPS, 1.0), _LEAST_WEIGHT))
 
 
-def _target(aspect: float, m: float, free: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _target(aspect: float, m: float, free: bool) -> tuple[Array, Array]:
     """Sample frequencies [cycles per pixel] of both axes, and the symbol on their grid."""
     spacing = (math.sqrt(aspect), 1.0 / math.sqrt(aspect))
     if free:
@@ -52,7 +52,7 @@ def _target(aspect: float, m: float, free: bool) -> tuple[NDArray[np.float64], N
     return f, (4.0 * np.pi**2 * square) ** (0.5 * (m - 1.0))
 
 
-def _cosines(f: NDArray[np.float64], radius: int) -> NDArray[np.float64]:
+def _cosines(f: Array, radius: int) -> Array:
     """Symbols of the one-dimensional symmetric stencils, shape (f.size, radius + 1)."""
     table = np.cos(2.0 * np.pi * np.outer(f, np.arange(radius + 1)))
     table[:, 1:] *= 2.0
@@ -60,7 +60,7 @@ def _cosines(f: NDArray[np.float64], radius: int) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=64)
-def fitted_stencil(aspect: float, m: float, free: bool) -> NDArray[np.float64]:
+def fitted_stencil(aspect: float, m: float, free: bool) -> Array:
     """Quadrant (8, 8) of the stencil fitted to the symbol of the half-space operator, for pixels of
     an aspect dy / dx.
 
@@ -87,7 +87,7 @@ def fitted_stencil(aspect: float, m: float, free: bool) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=64)
-def precondition_stencil(aspect: float, m: float) -> NDArray[np.float64]:
+def precondition_stencil(aspect: float, m: float) -> Array:
     """Quadrant (5, 5) of the stencil of |q|**(1-m), cut off beyond 4 pixels, with positive symbol.
 
     A stencil of 7 pixels saves 1 step in 20 and costs three times as much.
@@ -106,9 +106,7 @@ def precondition_stencil(aspect: float, m: float) -> NDArray[np.float64]:
     return np.asarray(quadrant / quadrant[0, 0])
 
 
-def stencil_symbol(
-    stencil: NDArray[np.float64], fy: NDArray[np.float64], fx: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def stencil_symbol(stencil: Array, fy: Array, fx: Array) -> Array:
     """Symbol of a stencil at frequencies [cycles per pixel], shape (fy, fx)."""
     radius = len(stencil) - 1
     # not by BLAS, whose threads would wait beside ours

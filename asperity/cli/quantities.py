@@ -6,11 +6,11 @@ import argparse
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.load_points import MOST_LOADS
 from surfaces import units
+from surfaces.arrays import Array
 
 
 def of(kind: str) -> Callable[[str], float]:
@@ -38,7 +38,7 @@ def whole(things: str = "") -> Callable[[str], int]:
     return parse
 
 
-def spread(text: str, option: str, kind: str, *, geometric: bool) -> NDArray[np.float64]:
+def spread(text: str, option: str, kind: str, *, geometric: bool) -> Array:
     """Quantities written as LO:HI:N or as a comma-separated list."""
     ends = text.count(":") == 2
     words = text.split(":")[:2] if ends else text.split(",")

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.indentation import Indentation
+from surfaces.arrays import Array
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 if TYPE_CHECKING:
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LawComparison", "LawRow", "compare_laws", "draw_laws"]
 
-Array = NDArray[np.float64]
 
 _ANGLES = 2 * np.pi * np.arange(360) / 360
 """Angles [rad] at which contours are compared."""

@@ -16,6 +16,7 @@ from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import structured
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
 __all__ = [
@@ -51,7 +52,7 @@ def coarse_grids(shape: tuple[int, int]) -> list[tuple[int, int]]:
     return grids
 
 
-def load_at_separation(curve: ContactCurve, separation: NDArray[np.float64]) -> NDArray[np.float64]:
+def load_at_separation(curve: ContactCurve, separation: Array) -> Array:
     """Mean pressure [Pa] of a curve at given separations [m], log-linear beyond its ends."""
     from scipy.interpolate import PchipInterpolator
 
@@ -68,11 +69,7 @@ def load_at_separation(curve: ContactCurve, separation: NDArray[np.float64]) -> 
 
 
 def error_table(
-    model: ContactCurve,
-    same: NDArray[np.float64],
-    reference: ContactCurve,
-    pressures: NDArray[np.float64],
-    rms_height: float,
+    model: ContactCurve, same: Array, reference: ContactCurve, pressures: Array, rms_height: float
 ) -> NDArray[np.void]:
     """Errors per load point, of the microcontact model or of another grid: `model` at the loads of
     the reference, pressures [Pa] `same` at its separations."""
@@ -105,7 +102,7 @@ def coarse_run(
     grid: tuple[int, int],
     boundary: Boundary,
     reference: ContactCurve,
-    pressures: NDArray[np.float64],
+    pressures: Array,
 ) -> tuple[Any, ...]:
     """Row of the table of run times: boundary elements on a coarse grid at a loose tolerance, at
     the mean pressures [Pa] of the comparison."""
@@ -171,7 +168,7 @@ def rms_errors(table: NDArray[np.void]) -> list[float]:
     return [rms(table[name]) for name in ERRORS]
 
 
-def rms(values: NDArray[np.float64]) -> float:
+def rms(values: Array) -> float:
     """Root mean square of the finite values, NaN if there is none."""
     finite = values[np.isfinite(values)]
     return float(np.sqrt(np.mean(finite**2))) if finite.size else float("nan")

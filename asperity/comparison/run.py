@@ -23,6 +23,7 @@ from asperity.results.curve import ContactCurve, require_facts
 from asperity.results.storage import provenance
 from asperity.results.table import require_curve
 from asperity.warmup import small_map
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
 from .other_grids import (
@@ -41,8 +42,6 @@ __all__ = ["compare"]
 
 MAP_AREA_FRACTION = 0.03
 """Contact area fraction near which the contact maps are taken."""
-
-Array = NDArray[np.float64]
 
 
 @cautious
@@ -205,12 +204,7 @@ def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
 
 
 def _require_reference(
-    judge: ContactCurve,
-    hm: HeightMap,
-    material: HalfSpace,
-    boundary: str,
-    kind: str,
-    values: NDArray[np.float64],
+    judge: ContactCurve, hm: HeightMap, material: HalfSpace, boundary: str, kind: str, values: Array
 ) -> None:
     """Refuse what is no curve by boundary elements of this map and body at these load points."""
     require_curve(judge)
@@ -221,7 +215,7 @@ def _require_reference(
         raise InputError(f"the reference has other load points than the {len(values)} asked for")
 
 
-def _pressures(reference: ContactCurve, kind: str, values: NDArray[np.float64]) -> Array:
+def _pressures(reference: ContactCurve, kind: str, values: Array) -> Array:
     """Mean pressures [Pa] of the load points, shape (n,): where the reference did not converge, as
     asked for, or read off its other points; a ConvergenceError if it has no two points to read a
     load off."""

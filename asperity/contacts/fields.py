@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from asperity.halfspace.footprint import Footprints
+from surfaces.arrays import Array, Index
 from surfaces.numerics.parallel import threads
 from surfaces.preparation.filtering import bandpass
 
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["pressed_pixels", "pressure_map"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 PRESSURE_CORRECTIONS = 3
 """Number of corrections of the pressure by the remaining gap; more change little."""

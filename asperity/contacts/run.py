@@ -13,6 +13,7 @@ from asperity.curve import solve_loads
 from asperity.errors import ConvergenceError, InputError, cautious, warn_once
 from asperity.progress import Progress
 from asperity.results.curve import ContactCurve
+from surfaces.arrays import Array, Mask
 from surfaces.drawing import draw_field
 
 from .fields import pressure_map
@@ -71,11 +72,11 @@ class ContactRun:
         """Table of the separate spots at a load point, see `contacts.spots`."""
         return spot_table(self.decomposition, self._point(point))
 
-    def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
+    def contact_map(self, point: int = -1) -> Mask:
         """Pixels in contact at a load point, shape (ny, nx): those under pressure."""
         return self.pressure_map(point) > 0
 
-    def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
+    def pressure_map(self, point: int = -1) -> Array:
         """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
         return pressure_map(self.decomposition, self._point(point))
 

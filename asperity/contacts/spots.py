@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from asperity.model.load_point import spot_count, spot_of_contacts
 from asperity.results.storage import structured
+from surfaces.arrays import Array, Index
 from surfaces.patches import label_patches
 
 from .fields import pressed_pixels
@@ -59,7 +60,7 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
     even = point.closed_area[contact] / of_contact[contact]
     share = _shares(even, force / decomposition.material.hardness)
 
-    def total(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def total(values: Array) -> Array:
         return np.bincount(own, weights=values, minlength=count).astype(float, copy=False)
 
     # strongest pixel of each spot, from which its other pixels are counted
@@ -90,7 +91,7 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
     return table[np.argsort(-area, kind="stable")]
 
 
-def _shares(even: NDArray[np.float64], least: NDArray[np.float64]) -> NDArray[np.float64]:
+def _shares(even: Array, least: Array) -> Array:
     """Areas [m^2] of pixels: `even`, changed so that none is below `least` and the sum stays."""
     share = np.maximum(even, least)
     spare = share - least
@@ -98,12 +99,7 @@ def _shares(even: NDArray[np.float64], least: NDArray[np.float64]) -> NDArray[np
     return np.asarray(share - spare * (excess / max(spare.sum(), np.finfo(float).tiny)))
 
 
-def _joined(
-    decomposition: Decomposition,
-    point: LoadPoint,
-    pixel: NDArray[np.int64],
-    contact: NDArray[np.int64],
-) -> NDArray[np.int64]:
+def _joined(decomposition: Decomposition, point: LoadPoint, pixel: Index, contact: Index) -> Index:
     """The spot of each pixel in contact: that of its contact, or of the summit in whose basin it
     lies where several summits were pressed as one contact."""
     summits, first = decomposition.summits, spot_of_contacts(decomposition, point)
@@ -114,12 +110,8 @@ def _joined(
 
 
 def _parted(
-    decomposition: Decomposition,
-    point: LoadPoint,
-    pixel: NDArray[np.int64],
-    contact: NDArray[np.int64],
-    pressure: NDArray[np.float64],
-) -> NDArray[np.int64]:
+    decomposition: Decomposition, point: LoadPoint, pixel: Index, contact: Index, pressure: Array
+) -> Index:
     """The spot of each pixel in contact where fine waves part the contacts."""
     touching = np.zeros(decomposition.hm.shape, bool)
     touching.flat[pixel] = True

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 from asperity.halfspace.transforms import edge_weights, kappa
 from asperity.results.storage import structured
+from surfaces.arrays import Array
 from surfaces.errors import as_count, as_numbers
 
 if TYPE_CHECKING:
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DIRECTIONS", "microcontacts", "outlines", "size_distribution"]
 
-
-Array = NDArray[np.float64]
 
 DIRECTIONS = 16
 """Directions of an outline, equispaced from the x axis towards y."""
@@ -82,9 +81,7 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     )
 
 
-def _within(
-    decomposition: Decomposition, place: NDArray[np.float64], axis: int
-) -> NDArray[np.float64]:
+def _within(decomposition: Decomposition, place: Array, axis: int) -> Array:
     """Places [m] along an axis; where the map repeats, those in it of its summits and centres
     beyond the border."""
     return np.mod(place, decomposition.hm.size[axis]) if decomposition.wraps else place

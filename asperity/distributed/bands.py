@@ -19,6 +19,7 @@ from asperity.results.storage import (
     write_results,
 )
 from asperity.results.table import axis
+from surfaces.arrays import Array
 
 from .index import Sweep
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DECIDES", "QUANTITIES", "Ensemble", "mean_and_scatter", "relative_half_width"]
 
-Array = NDArray[np.float64]
 
 QUANTITIES = ("separation", "area_fraction", "stiffness", "contacts")
 """Columns of the members that are averaged."""

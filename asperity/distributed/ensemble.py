@@ -9,13 +9,14 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import surfaces
 from asperity.errors import ConvergenceError, InputError
 from asperity.halfspace.load_points import default_pressures
 from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported
+from surfaces.arrays import Array
 from surfaces.errors import as_count, as_number, as_numbers, as_path, as_truth
 from surfaces.heightmap import HeightMap
 
@@ -200,7 +201,7 @@ def _windows(path: Any, window: int | tuple[int, int]) -> list[Callable[[], Heig
     return [partial(read, rows=rows, columns=columns) for rows, columns in places]
 
 
-def _common(first: Job) -> NDArray[np.float64]:
+def _common(first: Job) -> Array:
     """Pressures at which the members are compared."""
     other = {"separations", "loads"} & first.settings.keys()
     if other:

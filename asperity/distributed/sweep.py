@@ -10,12 +10,10 @@ from collections.abc import Generator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from asperity.compilation import HARD, compile_ahead
 from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported
+from surfaces.arrays import Array
 from surfaces.errors import as_path, as_truth
 from surfaces.files.atomic import make_folder
 
@@ -116,11 +114,7 @@ def sweep(
 
 
 def run(
-    jobs: Sequence[Job],
-    folder: Path,
-    on: Workers,
-    force: bool = False,
-    at: NDArray[np.float64] | None = None,
+    jobs: Sequence[Job], folder: Path, on: Workers, force: bool = False, at: Array | None = None
 ) -> Generator[tuple[Job, JobResult]]:
     """Tell of each job as it ends, those that an earlier run finished first; see `run_jobs`."""
     results = Path(os.path.abspath(folder)) / RESULTS

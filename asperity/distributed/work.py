@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import surfaces
 from asperity.errors import AsperityError, ContactWarning
 from asperity.results.curve import ContactCurve, at_heaviest
 from asperity.results.storage import ResultFile, read_about, write_results
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import set_memory
 from surfaces.numerics.parallel import set_threads
@@ -33,11 +33,7 @@ _one_at_a_time = threading.Lock()
 
 
 def run_jobs(
-    jobs: Sequence[Job],
-    folder: Path,
-    threads: int,
-    force: bool,
-    at: NDArray[np.float64] | None = None,
+    jobs: Sequence[Job], folder: Path, threads: int, force: bool, at: Array | None = None
 ) -> list[JobResult]:
     """Run jobs in this process, in turn; what has its results file in the folder already is read
     from there, unless by `force` it is run again.
@@ -59,7 +55,7 @@ def run_jobs(
             set_memory(None)  # which the loading of a map may have set
 
 
-def finished(job: Job, folder: Path, at: NDArray[np.float64] | None = None) -> JobResult | None:
+def finished(job: Job, folder: Path, at: Array | None = None) -> JobResult | None:
     """What an earlier run found, None if it did not finish the job."""
     path = folder / job.file
     try:
@@ -88,10 +84,7 @@ def failure(error: BaseException) -> JobResult:
 
 
 def _run(
-    job: Job,
-    folder: Path,
-    at: NDArray[np.float64] | None,
-    load: Callable[[Surface], HeightMap],
+    job: Job, folder: Path, at: Array | None, load: Callable[[Surface], HeightMap]
 ) -> JobResult:
     """Solve one job and write its results file."""
     begun = time.perf_counter()
@@ -113,7 +106,7 @@ def _run(
         return failure(error)
 
 
-def _values(curve: ContactCurve, at: NDArray[np.float64]) -> dict[str, Any]:
+def _values(curve: ContactCurve, at: Array) -> dict[str, Any]:
     """Columns of a curve at the pressures asked for, NaN where a point did not converge."""
     good = curve.converged
     read = curve.at(pressure=at[good]) if np.count_nonzero(good) > 1 else curve.select(good)

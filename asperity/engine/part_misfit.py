@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
 from asperity.parameters import DEFAULTS
 from asperity.results.interpolation import log_ratio
+from surfaces.arrays import Array, Index, Mask
 from surfaces.numerics import parallel
 from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.filtering import bandpass
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Judged", "corner", "long_waves", "misfit_on_parts"]
 
-Array = NDArray[np.float64]
 
 FITTED = DEFAULTS.parts
 
@@ -80,10 +79,10 @@ def misfit_on_parts(
     hm: HeightMap,
     plan: Plan,
     model: ContactCurve,
-    at: NDArray[np.int64],
+    at: Index,
     shares: Array,
     allowed: Array,
-    otherwise: Callable[[NDArray[np.bool_]], object] | None,
+    otherwise: Callable[[Mask], object] | None,
 ) -> tuple[Array, Array, Array]:
     """Misfit of the model at the n load points `at`, from parts of the map.
 
@@ -180,7 +179,7 @@ def _on_part(
     return misfit
 
 
-def _first(parts: NDArray[np.bool_], order: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+def _first(parts: Mask, order: Index, count: int) -> Mask:
     """The first `count` of the marked parts in the order `order`, at each load point, shape
     (parts, n)."""
     first = np.zeros_like(parts)
@@ -200,9 +199,7 @@ def long_waves(hm: HeightMap, plan: Plan, side: int) -> HeightMap | None:
     return plan.solved(hm) if share > FITTED.long_waves else None
 
 
-def _pooled(
-    found: Array, shares: Array, rate: Array, floor: Array
-) -> tuple[Array, Array, NDArray[np.int64]]:
+def _pooled(found: Array, shares: Array, rate: Array, floor: Array) -> tuple[Array, Array, Index]:
     """Weighted mean over the parts of the misfit `found`, shape (parts, n, 4), as (4, n); bounds of
     load and area, (2, n); and the number of parts that were solved, (n,).
 

@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.halfspace.checks import model_warnings
 from asperity.parameters import DEFAULTS
@@ -24,6 +23,7 @@ from asperity.trust.verified import (
     pixel_scatter,
     solved_points,
 )
+from surfaces.arrays import Array, Mask
 from surfaces.checks import copied, random_map
 
 from .part_misfit import Judged, corner, long_waves, misfit_on_parts
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
 __all__ = ["can_sample", "parts_along", "sampled", "statistically_homogeneous"]
 
-Array = NDArray[np.float64]
 
 FITTED = DEFAULTS.parts
 
@@ -127,7 +126,7 @@ def sampled(
     shares = _load_shares(run, parts_along(hm, plan.solved(hm)))[:, at]
     solved: Solved = {}
 
-    def on_whole(which: NDArray[np.bool_]) -> None:
+    def on_whole(which: Mask) -> None:
         if judge is not None:
             solved.update(solved_points(judge, values, at[which], DEFAULTS.anchors.judge_share))
 
@@ -159,7 +158,7 @@ def sampled(
     return corrected(hm, model, kind, points, np.nan_to_num(misfit), bounds, solved)
 
 
-def _within(bounds: Array, scatter: Array, allowed: Array) -> NDArray[np.bool_]:
+def _within(bounds: Array, scatter: Array, allowed: Array) -> Mask:
     """Whether the bounds of load and area, shape (2, n), are within those allowed, (2, 1), with the
     `pixel_scatter` of the area added."""
     return np.asarray((bounds[0] <= allowed[0]) & (bounds[1] + scatter <= allowed[1]))

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.bem.answer import answer
 from asperity.bem.curve import SolvedLoad
@@ -17,6 +16,7 @@ from asperity.bem.problem import ContactProblem
 from asperity.halfspace.load_points import Boundary, closed_share
 from asperity.halfspace.material import HalfSpace
 from asperity.parameters import DEFAULTS
+from surfaces.arrays import Array, Mask
 from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
@@ -33,7 +33,6 @@ __all__ = [
     "resolution",
 ]
 
-Array = NDArray[np.float64]
 
 FITTED = DEFAULTS.pixel_uncertainty
 
@@ -146,7 +145,7 @@ class SolvedLoads:
         return [*found.values()]
 
 
-def narrow_share(contact: NDArray[np.bool_]) -> float:
+def narrow_share(contact: Mask) -> float:
     """Share of the contact area of a part of a map in narrow contacts (`PixelUncertainty`), whose
     pixels meet at edges; the border of the part is no edge of a contact that it cuts."""
     own = label_patches(contact, periodic=False, corners=False)[0][contact]

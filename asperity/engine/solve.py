@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
@@ -27,6 +27,7 @@ from asperity.trust.verified import (
     anchors_suffice,
     verified,
 )
+from surfaces.arrays import Array
 from surfaces.errors import as_choice, as_number
 
 from .cost import can_anchor, cheapest, forecast
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ENGINES", "solve"]
 
-Array = NDArray[np.float64]
 
 ENGINES = ("auto", "bem", "anchored", "sampled")
 """Values of the argument `engine`, the default first."""

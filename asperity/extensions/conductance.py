@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.results.curve import ContactCurve
 from asperity.results.table import require_curve
+from surfaces.arrays import Array
 from surfaces.errors import as_positive, as_sizes
 
 __all__ = ["constriction_conductance", "total_resistivity"]
@@ -15,7 +15,7 @@ __all__ = ["constriction_conductance", "total_resistivity"]
 
 def constriction_conductance(
     curve: ContactCurve, *, resistivity: tuple[float, float], modulus: float | None = None
-) -> NDArray[np.float64]:
+) -> Array:
     """Conductance of the interface per nominal area at each load point.
 
     Parameters

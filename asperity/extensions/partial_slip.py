@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.material import HalfSpace, require_half_space
@@ -17,13 +17,12 @@ from asperity.microcontact.single.indentation import Indentation
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import END_SLACK
 from asperity.results.table import require_curve
+from surfaces.arrays import Array, Mask
 from surfaces.errors import as_count, as_positive, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["FrictionCurve", "PartialSlip", "friction_curve", "partial_slip", "tangential_modulus"]
 
-
-Array = NDArray[np.float64]
 
 ELASTIC_ALONE = "partial slip is of elastic contacts alone; leave the hardness out"
 
@@ -90,7 +89,7 @@ class PartialSlip:
     friction: float
     tangential_force: Array
     displacement: Array
-    slipping: NDArray[np.bool_]
+    slipping: Mask
 
     @property
     def stick_area(self) -> Array:
@@ -242,9 +241,9 @@ class FrictionCurve:
     True
     """
 
-    displacement: NDArray[np.float64]
-    shear: NDArray[np.float64]
-    stick_area_fraction: NDArray[np.float64]
+    displacement: Array
+    shear: Array
+    stick_area_fraction: Array
     slip_shear: float
 
 

@@ -6,18 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.indentation import Indentation
+from surfaces.arrays import Array
 from surfaces.errors import as_number, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["Relaxation", "ViscoelasticContact", "viscoelastic_force", "viscoelastic_indent"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import gamma, hyp1f1
+
+from surfaces.arrays import Array
 
 __all__ = ["OUTSIDE_SHARE", "Footprints", "pair_table", "smooth_part", "smooth_polynomials"]
 
@@ -83,23 +85,23 @@ class Footprints:
         """Factor f and exponent q of the variance (f k)^q of a footprint."""
         return (1 + OUTSIDE_SHARE) * self.self_factor, 2 / self.power
 
-    def variance(self, stiffness: ArrayLike) -> NDArray[np.float64]:
+    def variance(self, stiffness: ArrayLike) -> Array:
         """Variance per axis [m^2] of the footprint of a contact of tangent stiffness k [N/m]."""
         factor, exponent = self.rule
         return np.asarray((factor * np.asarray(stiffness, float)) ** exponent)
 
-    def punch(self, radius: ArrayLike) -> NDArray[np.float64]:
+    def punch(self, radius: ArrayLike) -> Array:
         """Stiffness [N/m] of the flat round punch of a radius [m]."""
         p = self.power
         return np.asarray(2 * self.modulus * np.asarray(radius, float) ** p / p)
 
-    def radius(self, stiffness: ArrayLike) -> NDArray[np.float64]:
+    def radius(self, stiffness: ArrayLike) -> Array:
         """Radius [m] of the flat round punch of a stiffness [N/m], the inverse of `punch`."""
         p = self.power
         return np.asarray((p * np.asarray(stiffness, float) / (2 * self.modulus)) ** (1 / p))
 
 
-def _pair_shape(m: float, w: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+def _pair_shape(m: float, w: Array) -> tuple[Array, ...]:
     """H, K, J of w = S^2 / (r^2 + S^2): with R = r^2 + S^2, g = C_m H R^(-p/2),
     dg/dS^2 = C_m K R^(-p/2-1), dg/dr / r = C_m J R^(-p/2-1); 1, p^2/2 and -p for points."""
     a = (1 + m) / 2
@@ -121,13 +123,13 @@ def _pair_shape(m: float, w: NDArray[np.float64]) -> tuple[NDArray[np.float64], 
 
 
 @functools.lru_cache(maxsize=16)
-def pair_table(m: float) -> NDArray[np.float64]:
+def pair_table(m: float) -> Array:
     """H, K and J at equispaced w = S^2 / (r^2 + S^2) in [0, 1], shape (nodes + 1, 3)."""
     return np.stack(_pair_shape(m, np.linspace(0.0, 1.0, PAIR_NODES + 1)), axis=1)
 
 
 @functools.lru_cache(maxsize=16)
-def smooth_polynomials(m: float, limit: float) -> NDArray[np.float64]:
+def smooth_polynomials(m: float, limit: float) -> Array:
     """Smooth part of the point kernel for x = (r/eta)^2 up to `limit`.
 
     Returns
@@ -150,7 +152,7 @@ def smooth_polynomials(m: float, limit: float) -> NDArray[np.float64]:
     return np.stack(list(fits)) * (2 / limit) ** np.arange(SMOOTH_DEGREE + 1)
 
 
-def smooth_part(m: float, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+def smooth_part(m: float, x: Array) -> tuple[Array, ...]:
     """Smooth part of the point kernel at x = (r/eta)^2.
 
     Returns

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import hyp2f1
 
+from surfaces.arrays import Array
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.parallel import by_rows
 
@@ -51,7 +52,7 @@ def compliance(spacing: tuple[float, float], material: HalfSpace) -> float:
 
 def symbol_quadrant(
     shape: tuple[int, int], spacing: tuple[float, float], power: float, factor: float
-) -> NDArray[np.float64]:
+) -> Array:
     """Factor times |q|**power at frequencies from zero on, shape (ny//2+1, nx//2+1); 0 at q = 0."""
     pixel = math.sqrt(spacing[0] * spacing[1])
     squares = [
@@ -69,7 +70,7 @@ def symbol_quadrant(
 
 def influence(
     shape: tuple[int, int], spacing: tuple[float, float], m: float, factor: float = 1.0
-) -> NDArray[np.float64]:
+) -> Array:
     """Displacement at cell offsets (0..ny-1, 0..nx-1) per pressure p~ on one cell, shape (ny, nx).
 
     Times a factor.
@@ -91,9 +92,7 @@ def influence(
     return kernel
 
 
-def near_influence(
-    shape: tuple[int, int], spacing: tuple[float, float], m: float
-) -> NDArray[np.float64]:
+def near_influence(shape: tuple[int, int], spacing: tuple[float, float], m: float) -> Array:
     """`influence` over a few cells, all by the corner function: nothing to compile, 1e-9."""
     pixel = math.sqrt(spacing[0] * spacing[1])
     hy, hx = spacing[0] / pixel, spacing[1] / pixel
@@ -108,7 +107,7 @@ def _point_factor(m: float) -> float:
 
 
 @lru_cache(maxsize=8)
-def _near_cells(hy: float, hx: float, m: float) -> NDArray[np.float64]:
+def _near_cells(hy: float, hx: float, m: float) -> Array:
     """Integral of r**-(1+m) over the cells within 100 of the longer side."""
     longest = max(hx, hy)
     y, x = (h * np.arange(int(_MIDDLE_CELLS * longest / h) + 1, dtype=float) for h in (hy, hx))
@@ -118,9 +117,7 @@ def _near_cells(hy: float, hx: float, m: float) -> NDArray[np.float64]:
     return cells
 
 
-def _gauss_mean(
-    y: NDArray[np.float64], x: NDArray[np.float64], hy: float, hx: float, m: float
-) -> NDArray[np.float64]:
+def _gauss_mean(y: Array, x: Array, hy: float, hx: float, m: float) -> Array:
     """Integral of r**-(1+m) over cells by a tensor Gauss-Legendre rule of 5 x 5 points."""
     nodes, weights = np.polynomial.legendre.leggauss(5)
     total = np.zeros((y.size, x.size))
@@ -132,19 +129,17 @@ def _gauss_mean(
     return total * (hx * hy)
 
 
-def _corner_mean(
-    y: NDArray[np.float64], x: NDArray[np.float64], hy: float, hx: float, m: float
-) -> NDArray[np.float64]:
+def _corner_mean(y: Array, x: Array, hy: float, hx: float, m: float) -> Array:
     """Integral of r**-(1+m) over cells by differences of the corner function."""
     edges_y = np.append(y - 0.5 * hy, y[-1] + 0.5 * hy)
     edges_x = np.append(x - 0.5 * hx, x[-1] + 0.5 * hx)
     corner = _corner(np.abs(edges_x)[None, :], np.abs(edges_y)[:, None], m)
     corner *= np.sign(edges_y)[:, None] * np.sign(edges_x)[None, :]
-    result: NDArray[np.float64] = np.diff(np.diff(corner, axis=0), axis=1)
+    result: Array = np.diff(np.diff(corner, axis=0), axis=1)
     return result
 
 
-def _corner(x: NDArray[np.float64], y: NDArray[np.float64], m: float) -> NDArray[np.float64]:
+def _corner(x: Array, y: Array, m: float) -> Array:
     """Integral of r**-(1+m) over the rectangle (0, x) by (0, y), x and y positive."""
     a = 0.5 * (1.0 + m)
     along_x = x ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((y / x) ** 2))

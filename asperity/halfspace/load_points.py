@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from typing import Any, Literal, cast, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import InputError
+from surfaces.arrays import Array
 from surfaces.errors import as_choice, as_number, as_numbers, shown
 from surfaces.heightmap import HeightMap, require_map
 
@@ -92,7 +93,7 @@ def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
     return float(material.modulus * length**material.m * slope)
 
 
-def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> NDArray[np.float64]:
+def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> Array:
     """Mean pressures [Pa] in geometric progression, for about 0.1 % to 10 % of contact, below the
     hardness. A map without slope is refused."""
     if pressure_scale(hm, material) == 0.0:
@@ -165,11 +166,8 @@ def _require_pressures(least: float, largest: float, hardness: float) -> None:
 
 
 def checked_loads(
-    hm: HeightMap,
-    material: HalfSpace,
-    pressures: ArrayLike | None,
-    separations: ArrayLike | None,
-) -> tuple[str, NDArray[np.float64]]:
+    hm: HeightMap, material: HalfSpace, pressures: ArrayLike | None, separations: ArrayLike | None
+) -> tuple[str, Array]:
     """Kind ("pressure" or "separation") and values of the load points, by default those of
     `default_pressures`. Values that are not finite, negative pressures and the like are refused."""
     require_scene(hm, material)

@@ -16,15 +16,15 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import eigh_tridiagonal
 from scipy.special import beta, betainc, betaincc, gammaln, roots_jacobi
 
+from surfaces.arrays import Array, Index
 from surfaces.numerics.cubics import lagrange
 
 __all__ = ["edge_weights", "gauss_jacobi", "kappa", "moment_weights", "moments"]
 
-Array = NDArray[np.float64]
 
 _LARGE_EXPONENT = 2000.0
 """Exponent above which differences of log-Gamma lose digits."""
@@ -92,7 +92,7 @@ def gauss_jacobi(m: float, points: int) -> tuple[Array, Array]:
     return t, w
 
 
-def moments(m: float, edges: Array, orders: NDArray[np.int64]) -> Array:
+def moments(m: float, edges: Array, orders: Index) -> Array:
     """Exact moments int t^j (1 - t^2)^((m-1)/2) dt of the segments between `edges`.
 
     Parameters

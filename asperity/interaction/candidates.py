@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.interaction.ewald.near_pairs import widest_in_cell
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.state import Problem
+from surfaces.arrays import Array, Index
 
 if TYPE_CHECKING:
     from asperity.interaction.ewald.mesh import SmoothField
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CandidateList"]
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 FOOTPRINT_GROWTH = 1.3
 """The near pairs of a list reach as far as footprints at this multiple of the present approach."""
@@ -92,8 +90,8 @@ class CandidateList:
     """
 
     problem: Problem
-    index: Rows
-    others: Rows
+    index: Index
+    others: Index
     offset: Array
     paired: Array
     moved: Array
@@ -102,7 +100,7 @@ class CandidateList:
     def of(
         cls,
         system: ContactSystem,
-        rows: Rows,
+        rows: Index,
         values: Array,
         *,
         field: SmoothField | None,
@@ -185,7 +183,7 @@ class CandidateList:
         return bool(np.count_nonzero(overlap > 0) > allowed)
 
     def recentred(
-        self, system: ContactSystem, rows: Rows, values: Array, tolerance: float
+        self, system: ContactSystem, rows: Index, values: Array, tolerance: float
     ) -> CandidateList | None:
         """The list with each point moved to the centre of its contact, as the laws give it at the
         `Point.values` of the summits `rows`.
@@ -231,7 +229,7 @@ class CandidateList:
         self,
         system: ContactSystem,
         bound: float,
-        closed: Rows,
+        closed: Index,
         law: Evaluated,
         approach: Array,
         *tilt: Array,
@@ -262,11 +260,11 @@ def _lowest(field: SmoothField | None, growth: float) -> float:
 
 def _overlaps(
     system: ContactSystem,
-    summits: Rows,
+    summits: Index,
     field: SmoothField | None,
     separation: float,
     growth: float,
-) -> tuple[Rows, Array]:
+) -> tuple[Index, Array]:
     """Those of the `summits`, sorted from the highest down, that may touch, and how far [m] each
     would overlap the flat in the smooth part of the last field."""
     low = _lowest(field, growth)
@@ -278,7 +276,7 @@ def _overlaps(
     return rows, overlap - np.minimum(smooth, growth * smooth)
 
 
-def _widest(system: ContactSystem, closed: Rows, law: Evaluated) -> float:
+def _widest(system: ContactSystem, closed: Index, law: Evaluated) -> float:
     """Variance [m^2] of the widest footprints of the contacts `closed` that the near pairs of a
     list allow for (`WIDEST_SHARE`)."""
     if not len(closed):

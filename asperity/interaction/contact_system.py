@@ -8,13 +8,14 @@ from bisect import bisect_left
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.load_points import known_boundary
 from asperity.interaction.newton.laws import Laws
 from asperity.parameters import DEFAULTS, Parameters
+from surfaces.arrays import Array, Index
 from surfaces.errors import as_numbers
 from surfaces.numerics.memory import on_disk
 
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
     from asperity.microcontact.law_table import LawTable, LazyTable
 
 __all__ = ["ContactSystem"]
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 
 class ContactSystem:
@@ -112,7 +110,7 @@ class ContactSystem:
         usable = np.flatnonzero(self.laws.usable)
         if len(usable) == 0:
             raise InputError("no summit of the population has a usable contact law")
-        self.by_height: Rows = usable[np.argsort(-self.height[usable], kind="stable")]
+        self.by_height: Index = usable[np.argsort(-self.height[usable], kind="stable")]
 
     def __len__(self) -> int:
         return len(self.height)
@@ -143,7 +141,7 @@ class ContactSystem:
         """Height [m] of the highest summit, where the flat first touches."""
         return float(self.height[self.by_height[0]])
 
-    def above(self, level: float, rows: Rows | None = None) -> Rows:
+    def above(self, level: float, rows: Index | None = None) -> Index:
         """Summits above a height [m], of `rows`, which are in the order of `by_height`, or of all
         if None."""
         rows = self.by_height if rows is None else rows

@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.interaction.newton.final_step import Solution
 from asperity.interaction.newton.solver import descent
 from asperity.interaction.newton.step import corrected_prediction
+from surfaces.arrays import Array, Index
 
 from .candidates import CandidateList
 from .population_state import Continuation, PopulationState
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CROWDED_AREA", "Start", "descend", "solve_at", "start_of"]
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 SPARE_CANDIDATES = 1.5
 """Candidates over the summits that can touch now: a list then serves several separations."""
@@ -152,7 +150,7 @@ class Start(NamedTuple):
     of the last point if it serves this point too, else None.
     """
 
-    rows: Rows
+    rows: Index
     values: Array
     growth: float
     spare: float
@@ -176,7 +174,7 @@ def start_of(
     return Start(rows, values, growth, spare, rise, listed)
 
 
-def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:
+def _along(index: Index, rows: Index, values: Array, count: int) -> Array:
     """The `Point.values` of the summits `index`, of `count` in all: the `values` of those among
     `rows`, zero for the others."""
     known = np.zeros((len(values), count))
@@ -242,7 +240,7 @@ def _independent(last: Continuation, separation: float) -> PopulationState:
 
 
 def _state(
-    continuation: Continuation, rows: Rows, area: Array, solution: Solution
+    continuation: Continuation, rows: Index, area: Array, solution: Solution
 ) -> PopulationState:
     """The state of a solution, with the contact areas [m^2] of the summits `rows`."""
     system, field = continuation.system, continuation.field

@@ -6,16 +6,14 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipe, ellipk
 
 from asperity.halfspace.footprint import Footprints
 from asperity.microcontact.hertz import axis_ratios
 from asperity.parameters import DEFAULTS, ElongationBounds
+from surfaces.arrays import Array, Index
 
 __all__ = ["Elongation"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +72,7 @@ class Elongation:
         yy, xx, xy = self.moments.T
         return np.asarray(0.5 * (yy + xx) + np.hypot(0.5 * (yy - xx), xy))
 
-    def rows(self, index: NDArray[np.int64]) -> Elongation:
+    def rows(self, index: Index) -> Elongation:
         """Elongation of the contacts `index`."""
         return Elongation(self.moments[index], self.radii[index])
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.newton.step import conjugate_gradients
+from surfaces.arrays import Array, Index
 
 if TYPE_CHECKING:
     from asperity.interaction.ewald.mesh import SmoothField
@@ -36,9 +36,6 @@ SINKING_SHARE = 0.995
 """Share of the contacts that sink at least by `Continuation.rise`. With 0.98 one list in four was
 made twice; with 1 a third more summits are listed at the largest loads."""
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
-
 
 @dataclass(frozen=True, eq=False)
 class Point:
@@ -58,7 +55,7 @@ class Point:
 
     separation: float
     pressure: float
-    rows: NDArray[np.int64]
+    rows: Index
     values: Array
 
 
@@ -155,7 +152,7 @@ class Continuation:
             solution=solution,
         )
 
-    def predicted(self, separation: float, pressure: float | None) -> tuple[Rows, Array]:
+    def predicted(self, separation: float, pressure: float | None) -> tuple[Index, Array]:
         """Predicted candidates, and `Point.values` of each, at a separation or mean pressure."""
         system = self.system
         if self.points:
@@ -268,7 +265,7 @@ class PopulationState:
     iterations: int
     products: int
     lowest_candidate: float
-    rows: NDArray[np.int64] = field(repr=False)
+    rows: Index = field(repr=False)
     listed: Array = field(repr=False)
     tilt: Array = field(repr=False)
     continuation: Continuation = field(repr=False)

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
 from surfaces.numerics.cubics import count_below, lagrange
 
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["capped_table"]
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 CONTACTS_PER_THREAD = 256
 """Contacts that a thread takes at a time: fewer do not repay it, the arrays of more leave its
@@ -72,7 +70,7 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     return result
 
 
-def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> None:
+def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) -> None:
     """Write the capped laws of the `rows` of a table into `result`, which holds elastic laws."""
     assert table.bearing is not None
     nodes = table.nodes

@@ -6,10 +6,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import Flag, InputError
 from asperity.halfspace.material import HalfSpace
+from surfaces.arrays import Array
 
 from .law_table import LawTable
 
@@ -27,7 +28,6 @@ __all__ = [
     "tabulate",
 ]
 
-Array = NDArray[np.float64]
 
 _INTERVALS = 16
 """Intervals of a table; force and area are exact on any number."""

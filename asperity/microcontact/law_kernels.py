@@ -22,8 +22,8 @@ import math
 
 import numpy as np
 from numba import carray, types
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 from surfaces.numerics.memory import zeros
 from surfaces.numerics.vectors import on_stack
@@ -314,9 +314,7 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
             table[r, j, MOMENT_SLOPE] = min(max(bend[j], 0.0), 3.0 * max(min(before, after), 0.0))
 
 
-def empty_columns(
-    count: int, intervals: int, stored: bool = False
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def empty_columns(count: int, intervals: int, stored: bool = False) -> tuple[Array, Array]:
     """Empty `table` and `tips` of `count` contacts for `tabulate`; in files if `stored`."""
     shapes = (count, intervals + 1, NODE_COLUMNS), (count, TIP_COLUMNS)
     table, tips = (zeros(shape, np.float64, stored) for shape in shapes)

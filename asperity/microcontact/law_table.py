@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
+from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import zeros
 
 __all__ = ["INTERVALS", "LawTable", "LazyTable"]
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 INTERVALS = 24
 """Intervals of the tables of contacts of a map."""
@@ -112,7 +111,7 @@ class LawTable:
         named = ((column.name, getattr(self, column.name)) for column in fields(self))
         return {name: values for name, values in named if isinstance(values, np.ndarray)}
 
-    def rows(self, index: Rows) -> LawTable:
+    def rows(self, index: Index) -> LawTable:
         """The laws of the contacts `index`."""
         taken: dict[str, Any] = {name: values[index] for name, values in self.columns.items()}
         return replace(self, **taken)
@@ -197,9 +196,9 @@ class LazyTable:
     def __init__(
         self,
         count: int,
-        make: Callable[[Rows], LawTable],
+        make: Callable[[Index], LawTable],
         *,
-        near: Callable[[Rows], Rows] | None = None,
+        near: Callable[[Index], Index] | None = None,
         stored: bool = False,
     ) -> None:
         self.make, self.near, self.stored = make, near, stored
@@ -217,17 +216,17 @@ class LazyTable:
     def __len__(self) -> int:
         return len(self.ready)
 
-    def in_order(self, rows: Rows) -> Rows:
+    def in_order(self, rows: Index) -> Index:
         """The contacts `rows` in the order of `near`."""
         return rows if self.near is None else rows[self.near(rows)]
 
-    def blocks(self, rows: Rows) -> Iterator[tuple[Rows, LawTable]]:
+    def blocks(self, rows: Index) -> Iterator[tuple[Index, LawTable]]:
         """The laws of some contacts, `ROWS_TOGETHER` at a time."""
         for start in range(0, rows.size, ROWS_TOGETHER):
             part = rows[start : start + ROWS_TOGETHER]
             yield part, self.laws(part)
 
-    def laws(self, rows: Rows) -> LawTable:
+    def laws(self, rows: Index) -> LawTable:
         """The laws of some contacts, in that order; those that are missing are made."""
         missing = rows[~self.ready[rows]]
         if missing.size:
@@ -237,7 +236,7 @@ class LazyTable:
                 return block
         return self.held.rows(self.place[rows])
 
-    def _hold(self, rows: Rows, block: LawTable) -> None:
+    def _hold(self, rows: Index, block: LawTable) -> None:
         given, made = block.columns, int(np.count_nonzero(self.ready))
         if not made:
             # room for all contacts: memory pages that are never written cost nothing
@@ -264,23 +263,23 @@ class LazyTable:
         """Whether laws give the centres of their contacts, once a law has been made."""
         return self.held.centre is not None
 
-    def centre_at(self, index: Rows, approach: Array) -> Array:
+    def centre_at(self, index: Index, approach: Array) -> Array:
         """Centres x, y [m] of the contacts `index` relative to their summits, shape (2, n)."""
         if self.held.centre is None:
             return np.zeros((2, approach.size))
         return self._read(self.held.centre, _between, index, approach)
 
-    def elastic_at(self, index: Rows, approach: Array) -> Array:
+    def elastic_at(self, index: Index, approach: Array) -> Array:
         """The column `elastic` of a table with a hardness, for the contacts `index` at `approach`,
         shape (2, n)."""
         assert self.held.elastic is not None
         return self._read(self.held.elastic, _between, index, approach)
 
-    def flags_at(self, index: Rows, approach: Array) -> NDArray[np.uint8]:
+    def flags_at(self, index: Index, approach: Array) -> NDArray[np.uint8]:
         """Flags of the node at or above `approach`; the last node's beyond the reach."""
         return self._read(self.held.flags, _at_or_above, index, approach)
 
-    def spread_at(self, index: Rows, approach: Array) -> Array:
+    def spread_at(self, index: Index, approach: Array) -> Array:
         """Error estimate of the node at or above `approach`; the last node's beyond the reach."""
         return self._read(self.held.spread, _at_or_above, index, approach)
 
@@ -291,8 +290,8 @@ class LazyTable:
     def _read(
         self,
         column: NDArray[Any],
-        read: Callable[[NDArray[Any], Rows, Array], NDArray[Any]],
-        index: Rows,
+        read: Callable[[NDArray[Any], Index, Array], NDArray[Any]],
+        index: Index,
         approach: Array,
     ) -> NDArray[Any]:
         """Values of a column for the contacts `index` at `approach` [m], by the function `read` of
@@ -312,7 +311,7 @@ class LazyTable:
         return np.asarray(np.concatenate(parts, axis=-1)[..., np.argsort(order)])
 
 
-def _between(pairs: Array, rows: Rows, node: Array) -> Array:
+def _between(pairs: Array, rows: Index, node: Array) -> Array:
     """Pairs at the nodes (n, K + 1, 2), linear between them, shape (2, n)."""
     low = np.minimum(node.astype(np.int64), pairs.shape[1] - 2)
     share, at = (node - low)[:, None], rows * pairs.shape[1] + low
@@ -320,6 +319,6 @@ def _between(pairs: Array, rows: Rows, node: Array) -> Array:
     return np.asarray(((1 - share) * flat.take(at, axis=0) + share * flat.take(at + 1, axis=0)).T)
 
 
-def _at_or_above(values: NDArray[Any], rows: Rows, node: Array) -> NDArray[Any]:
+def _at_or_above(values: NDArray[Any], rows: Index, node: Array) -> NDArray[Any]:
     """Values at the nodes (n, K + 1), each of the node at or above, shape (n,)."""
     return np.asarray(values[rows, np.ceil(node).astype(np.int64)])

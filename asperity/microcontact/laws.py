@@ -8,10 +8,10 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
+from surfaces.arrays import Array, Index
 from surfaces.errors import as_choice
 
 from . import hertz
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LAWS", "elastic_table", "tabulate"]
 
-Array = NDArray[np.float64]
 
 DOUBTFUL_END = 0.1
 """Square root of approach over reach. A summit whose expansion ends below it is doubtful."""
@@ -97,9 +96,7 @@ def _without_pull(table: LawTable) -> None:
         table.area[row, : last + 1] = table.area[row, last] * share**2
 
 
-def _worst_ratio(
-    table: LawTable, rows: NDArray[np.int64], profiles: Profiles, material: HalfSpace
-) -> Array:
+def _worst_ratio(table: LawTable, rows: Index, profiles: Profiles, material: HalfSpace) -> Array:
     """Largest ratio, 1 or more, of the forces of the table and of `ritz` at `COMPARED_SHARES`."""
     first = table.evaluate(rows[:, None], COMPARED_SHARES * table.reach[rows, None])[0]
     other = ritz_forces(profiles, material, np.sqrt(COMPARED_SHARES))
@@ -108,7 +105,7 @@ def _worst_ratio(
     return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))
 
 
-def _replace(table: LawTable, rows: NDArray[np.int64], second: LawTable, ratio: Array) -> None:
+def _replace(table: LawTable, rows: Index, second: LawTable, ratio: Array) -> None:
     """Replace the `rows` of a table by `second`, in place; `ratio` less one is their spread."""
     for name in ("reach", "force", "stiffness", "area", "flags"):
         getattr(table, name)[rows] = getattr(second, name)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi, moment_weights
+from surfaces.arrays import Array, Index, Mask
 from surfaces.numerics import parallel
 from surfaces.numerics.cubics import count_below, lagrange
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["expected_error", "ritz_forces", "tabulate_expansion", "tabulate_ritz"]
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 _HARMONICS = 5
 """Harmonics with an operator of their own; the rest is treated as the next one."""
@@ -106,7 +105,7 @@ def _radial(t: Array, weights: Array) -> Array:
 
 
 def _tabulate(
-    found: Array, a: Array, material: HalfSpace, law: str, table: LawTable, rows: Rows
+    found: Array, a: Array, material: HalfSpace, law: str, table: LawTable, rows: Index
 ) -> None:
     """Fill the `rows` of a table from the quantities over the radii `a` [m], (n, radii)."""
     m, modulus, p = material.m, material.modulus, 3 + material.m
@@ -138,10 +137,10 @@ def _resample(
     ratios: Array,
     spread: Array,
     flags: NDArray[np.uint8],
-    good: Rows,
+    good: Index,
     basin: Array,
     table: LawTable,
-    rows: Rows,
+    rows: Index,
 ) -> None:
     """Fill the `rows` of a table from values over rising approaches [m], (n, radii).
 
@@ -187,7 +186,7 @@ def _resample(
 
 def _area(
     found: Array, a: Array, slope: Array, second: Array, material: HalfSpace, law: str
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Mask]:
     """Contact area over the radii, bounded and made to rise, and where that changed it."""
     m = material.m
     if law == "paper":

@@ -13,17 +13,17 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import gamma, hyp2f1
 
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import kappa
+from surfaces.arrays import Array
 from surfaces.numerics.compiled import compiled
 
 __all__ = ["Capped", "capped"]
 
-Array = NDArray[np.float64]
 
 _NEARLY_HOMOGENEOUS = 1e-6
 """Grading below which the limits of its formulas for m = 0 are taken at this m."""

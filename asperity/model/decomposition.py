@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.hertz import axis_ratios
+from surfaces.arrays import Array, Index
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import on_disk
 from surfaces.numerics.stored_array import StoredArray, mapped
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
 
 __all__ = ["Decomposition"]
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -164,7 +162,7 @@ class Decomposition:
         rows, cols = (np.arange(n) for n in self.hm.shape)
         return self.labels_at(rows[:, None], cols)
 
-    def labels_at(self, rows: Rows, cols: Rows) -> NDArray[np.int32]:
+    def labels_at(self, rows: Index, cols: Index) -> NDArray[np.int32]:
         """Peak whose basin holds each of the pixels `rows`, `cols` of `hm`; -1 where not flooded.
 
         The centre of a pixel of `hm` may lie on the border between pixels of `solved`: the highest
@@ -212,7 +210,7 @@ class Decomposition:
         depth = summits.height[pairs].mean(axis=1) - summits.peaks.passes[apart]
         return pairs, np.asarray(depth + sag)
 
-    def summit_pixels(self, rows: Rows, hm: HeightMap) -> Rows:
+    def summit_pixels(self, rows: Index, hm: HeightMap) -> Index:
         """Flat index of the pixel of `hm`, which is `self.hm` or `self.solved`, that holds each of
         the summits `rows`."""
         places = (self.summits.y, self.summits.x) if hm is self.solved else self.places

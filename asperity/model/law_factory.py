@@ -9,12 +9,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.microcontact.capped_table import capped_table
 from asperity.microcontact.law_table import LawTable, LazyTable
 from asperity.microcontact.laws import elastic_table
+from surfaces.arrays import Index
 from surfaces.numerics.stored_array import StoredArray
 
 from .corrections import pressed_basins, sharp_tips
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LawFactory"]
 
-Rows = NDArray[np.int64]
 
 CORRECTIONS = {"sharp_tips": sharp_tips.correct, "pressed_basins": pressed_basins.correct}
 """Corrections of single laws in the order in which they are applied: the switch in
@@ -75,12 +74,12 @@ class LawFactory:
             return self._elastic
         return self._table(self._with_hardness)
 
-    def _table(self, make: Callable[[Rows], LawTable]) -> LazyTable:
+    def _table(self, make: Callable[[Index], LawTable]) -> LazyTable:
         """A lazy table of all summits, on disk if their map is."""
         summits, stored = self.summits, isinstance(self.summits.hm.source, StoredArray)
         return LazyTable(len(summits), make, near=summits.near, stored=stored)
 
-    def _with_hardness(self, rows: Rows) -> LawTable:
+    def _with_hardness(self, rows: Index) -> LawTable:
         """Laws of the summits `rows`, in that order, capped by the hardness of the material."""
         elastic = self._elastic.laws(rows)
         begun = time.perf_counter()
@@ -88,7 +87,7 @@ class LawFactory:
         self.seconds["laws"] += time.perf_counter() - begun
         return table
 
-    def _without_hardness(self, rows: Rows) -> LawTable:
+    def _without_hardness(self, rows: Index) -> LawTable:
         """Elastic laws of the summits `rows`, in that order, with their corrections."""
         begun = time.perf_counter()
         sampled = self.summits.rows(rows)
@@ -106,7 +105,7 @@ class LawFactory:
         self.seconds["laws"] += time.perf_counter() - between
         return table
 
-    def _require_top(self, rows: Rows, table: LawTable) -> None:
+    def _require_top(self, rows: Index, table: LawTable) -> None:
         """Record the summits `rows` without a contact; refuse the law if the highest is one: a
         curve without it would be wrong from the first touch on."""
         summits = self.summits

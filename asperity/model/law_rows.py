@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.peaks.peaks import SUMMIT
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LawRows", "LoadShares"]
 
-Array = NDArray[np.float64]
 
 MOST_SUMMITS = 200
 """Highest summits whose loads are summed. Load shares are known while the flat stands above the
@@ -45,7 +44,7 @@ class LawRows:
     """
 
     table: LawTable
-    rows: NDArray[np.int64]
+    rows: Index
     profiles: Profiles
     summits: Summits
     shares: LoadShares

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.load_points import pressure_scale
 from asperity.multiscale.sub_contact_law import SurfacePoint, closed_areas, surface_point
+from surfaces.arrays import Array, Index
 from surfaces.numerics.compiled import compiled
 from surfaces.patches import root
 
@@ -32,8 +33,6 @@ __all__ = [
     "spot_of_contacts",
 ]
 
-
-Array = NDArray[np.float64]
 
 MAX_TRIES = 12
 """Further loads tried to reach one separation of the whole surface."""
@@ -216,7 +215,7 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
     return round(count)
 
 
-def spot_of_contacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.int64]:
+def spot_of_contacts(decomposition: Decomposition, point: LoadPoint) -> Index:
     """Spot of each contact, shape (n,): the lowest index of the contacts that have joined in it; -1
     for a summit without contact."""
     fitted = decomposition.plan.parameters.spots
@@ -240,9 +239,7 @@ def _single_contacts(summits: Summits, state: PopulationState) -> tuple[Array, A
 
 
 @compiled()
-def joined_spots(
-    pairs: NDArray[np.int32], depth: Array, approach: Array, area: Array
-) -> NDArray[np.int64]:
+def joined_spots(pairs: NDArray[np.int32], depth: Array, approach: Array, area: Array) -> Index:
     """Spot of each contact, shape (n,): its contact of lowest index; -1 for a contact without area.
 
     The two contacts of a pair, `pairs` (k, 2), have joined if the sum of their approaches [m]

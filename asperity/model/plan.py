@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError, ModelRangeError, SurfaceError
@@ -25,6 +25,7 @@ from asperity.microcontact.laws import TABULATORS
 from asperity.multiscale.wave_split import chosen_grid
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
+from surfaces.arrays import Array
 from surfaces.checks import constant, lay, seam_warning
 from surfaces.errors import as_choice, as_truth
 from surfaces.heightmap import HeightMap, require_full
@@ -300,7 +301,7 @@ def peaks_above(hm: HeightMap, above: float | None) -> int:
     return expected_peaks(hm, -np.inf if above is None else above + hm.roughness.mean)
 
 
-def _sample(hm: HeightMap) -> NDArray[np.float64]:
+def _sample(hm: HeightMap) -> Array:
     """Heights [m] above the mean plane of about `QUANTILE_SAMPLE` points of the map."""
     step = max(1, int(np.sqrt(math.prod(hm.shape) / QUANTILE_SAMPLE)))
     return hm.source[::step, ::step].ravel() - hm.roughness.mean

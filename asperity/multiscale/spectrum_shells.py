@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from surfaces.arrays import Array, Index
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.parallel import blocks, lines, run, threads
@@ -20,7 +21,6 @@ from surfaces.preparation.resampling import Resampled, corner_of
 __all__ = ["Shells"]
 
 
-Array = NDArray[np.float64]
 Waves = NDArray[np.complex128] | Array
 Columns = Callable[[int], Iterator[tuple[int, Waves]]]
 """Function of a number of columns that gives the waves of these in blocks: the first column of each
@@ -103,7 +103,7 @@ class Shells:
         step = {"step": "bandpass", "shortest": shortest, "to": [ny, nx]}
         return Resampled(hm.replace(heights=heights, spacing=spacing, step=step), corner)
 
-    def _within(self, last: int) -> tuple[NDArray[np.int64], int]:
+    def _within(self, last: int) -> tuple[Index, int]:
         """Rows and number of columns of the waves up to the shell `last`, without those of two
         pixels, which have no phase."""
         ends = np.full(2, (last + 0.5) * self.width)

@@ -8,19 +8,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import SubContact
+from surfaces.arrays import Array
 
 if TYPE_CHECKING:
     from asperity.interaction.population import Population, PopulationState
 
 __all__ = ["SubContactLaw", "SurfacePoint", "closed_areas", "surface_point"]
-
-
-Array = NDArray[np.float64]
 
 
 LOAD_STEP = 0.02

@@ -9,9 +9,10 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import FileFormatError, InputError
+from surfaces.arrays import Array
 from surfaces.errors import as_choice, as_numbers, as_path
 from surfaces.files.atomic import replacing
 
@@ -78,12 +79,12 @@ class InterfaceLaw:
     '1.000000'
     """
 
-    overclosure: NDArray[np.float64]
-    pressure: NDArray[np.float64]
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    conductance: NDArray[np.float64]
+    overclosure: Array
+    pressure: Array
+    lower: Array
+    upper: Array
+    stiffness: Array
+    conductance: Array
     reference: float
     hardness: float = math.inf
 
@@ -286,7 +287,7 @@ def _scales(units: str) -> dict[str, float]:
     return {"overclosure": length, **forces, "stiffness": stress / length, "conductance": thermal}
 
 
-def _strictly_rising(pressure: NDArray[np.float64], high: float) -> NDArray[np.float64]:
+def _strictly_rising(pressure: Array, high: float) -> Array:
     """Pressures of which each exceeds the one before, as programs ask for, if by next to nothing
     of the highest: a band may be zero, or stay at the hardness, over many rows."""
     steps = 1e-9 * high * np.arange(1, pressure.size + 1)
@@ -294,5 +295,5 @@ def _strictly_rising(pressure: NDArray[np.float64], high: float) -> NDArray[np.f
     return np.asarray(low * (1.0 - 1e-9 * (pressure.size + 1)) + steps)
 
 
-def _pairs(first: NDArray[np.float64], second: NDArray[np.float64]) -> list[str]:
+def _pairs(first: Array, second: Array) -> list[str]:
     return [f"{a:.10g}, {b:.10g}" for a, b in zip(first, second, strict=True)]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
+from surfaces.arrays import Array, Index, Mask
 from surfaces.errors import as_numbers
 
 __all__ = [
@@ -92,7 +93,7 @@ POINT_FIELDS = (*READ_FIELDS, "converged", "residual", "error_estimate")
 """Columns that every curve has."""
 
 
-def contact_pressure(load: ArrayLike, area: ArrayLike) -> NDArray[np.float64]:
+def contact_pressure(load: ArrayLike, area: ArrayLike) -> Array:
     """Mean pressure [Pa] of contact areas [m^2] under loads [N]; NaN where nothing touches."""
     area = np.asarray(area, float)
     touching = np.where(area > 0.0, area, np.nan)
@@ -164,9 +165,7 @@ def read_off(
     return CurvePoint(**found)
 
 
-def _inverse(
-    places: NDArray[np.float64], values: NDArray[np.float64], wanted: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _inverse(places: Array, values: Array, wanted: Array) -> Array:
     """Places at which the monotone cubics through ascending values have the values `wanted`.
 
     Beyond the ends the place goes on with slope one. It is found by bisection to the last digit, so
@@ -184,7 +183,7 @@ def _inverse(
     return np.asarray(0.5 * (low + high) + (wanted - inside))
 
 
-def knots_of(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
+def knots_of(columns: Mapping[str, NDArray[Any]]) -> Index:
     """Indices of the points between which a curve is interpolated, in the order of the load.
 
     They are the points under load whose separation is smaller than that of all lighter ones; in
@@ -201,7 +200,7 @@ def knots_of(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
     return order[_apart(np.log(pressures[order]))]
 
 
-def _apart(logs: NDArray[np.float64]) -> list[int]:
+def _apart(logs: Array) -> list[int]:
     """Indices of ascending values that are `LEAST_STEP` apart, from the first to the last."""
     kept: list[int] = []
     for i, value in enumerate(logs.tolist()):
@@ -214,17 +213,12 @@ def _apart(logs: NDArray[np.float64]) -> list[int]:
     return kept
 
 
-def _rising(values: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _rising(values: Array) -> Mask:
     """Values above all before them."""
     return np.asarray(values > np.maximum.accumulate(np.append(-np.inf, values))[:-1])
 
 
-def curve_stiffness(
-    pressure: NDArray[np.float64],
-    separation: NDArray[np.float64],
-    tangent: NDArray[np.float64],
-    usable: NDArray[np.bool_],
-) -> NDArray[np.float64]:
+def curve_stiffness(pressure: Array, separation: Array, tangent: Array, usable: Mask) -> Array:
     """Minus the slope of pressure over separation at the points of a curve [Pa/m], shape (n,).
 
     The points are at mean pressures [Pa] and separations [m], shape (n,), in any order; `tangent`
@@ -259,7 +253,7 @@ def curve_stiffness(
     return found
 
 
-def log_ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+def log_ratio(one: Array, other: Array) -> Array:
     """Logarithm of a ratio; zero where one of the numbers is zero, infinite or NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.log(one / other)
@@ -267,11 +261,8 @@ def log_ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[n
 
 
 def interpolated_misfit(
-    position: NDArray[np.float64],
-    anchors: NDArray[np.int64],
-    misfit: NDArray[np.float64],
-    floor: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    position: Array, anchors: Index, misfit: Array, floor: Array
+) -> tuple[Array, Array]:
     """Misfit at all load points, interpolated between anchors, and a bound on its error, (n,) each.
 
     `position` holds the ascending logarithms of the loads, shape (n,). `anchors` (k,) are ascending
@@ -294,7 +285,7 @@ def interpolated_misfit(
     return np.interp(position, position[anchors], misfit), bound
 
 
-def halved_intervals(anchors: NDArray[np.int64], need: NDArray[np.float64]) -> NDArray[np.int64]:
+def halved_intervals(anchors: Index, need: Array) -> Index:
     """The anchors and one more, in the middle of the interval of the load point of largest `need`.
 
     `anchors` are ascending indices of load points, the first and the last included; `need`, shape

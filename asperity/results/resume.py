@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import InputError
+from surfaces.arrays import Array
 
 from .curve import ContactCurve, read_results
 from .storage import ResultFile, write_results
 
 __all__ = ["Solve", "require_continuable", "run_resumably", "with_held"]
 
-Solve = Callable[[NDArray[np.float64], Callable[[ContactCurve], None]], ContactCurve]
+Solve = Callable[[Array, Callable[[ContactCurve], None]], ContactCurve]
 """Solves the given load points and calls back with the curve of the points finished so far."""
 
 SECONDS_BETWEEN_WRITES = 1.0
@@ -27,7 +27,7 @@ SECONDS_BETWEEN_WRITES = 1.0
 
 def run_resumably(
     solve: Solve,
-    values: NDArray[np.float64],
+    values: Array,
     kind: str,
     path: str | os.PathLike[str],
     *,
@@ -87,9 +87,7 @@ def run_resumably(
     return done.select(place[:count])
 
 
-def with_held(
-    values: NDArray[np.float64], kind: str, before: ResultFile[ContactCurve]
-) -> NDArray[np.float64]:
+def with_held(values: Array, kind: str, before: ResultFile[ContactCurve]) -> Array:
     """Load points, shape (n,), followed by the others at which curves of a results file
     converged."""
     curves, asked = before.curves.values(), f"asked_{kind}"

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from asperity import __version__
 from asperity.errors import InputError
+from surfaces.arrays import Array, Mask
 from surfaces.drawing import image, logarithmic
 from surfaces.errors import as_choice, as_numbers, as_truth, shown
 
@@ -76,16 +77,16 @@ class CurveTable:
     """Columns over the load points of a contact curve; the attributes are those of
     `asperity.ContactCurve`."""
 
-    separation: NDArray[np.float64]
-    mean_pressure: NDArray[np.float64]
-    load: NDArray[np.float64]
-    area_fraction: NDArray[np.float64]
-    contact_area: NDArray[np.float64]
-    contacts: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    converged: NDArray[np.bool_]
-    residual: NDArray[np.float64]
-    error_estimate: NDArray[np.float64]
+    separation: Array
+    mean_pressure: Array
+    load: Array
+    area_fraction: Array
+    contact_area: Array
+    contacts: Array
+    stiffness: Array
+    converged: Mask
+    residual: Array
+    error_estimate: Array
     model: str
     seconds: Mapping[str, float] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -129,12 +130,12 @@ class CurveTable:
         return values
 
     @property
-    def mean_contact_pressure(self) -> NDArray[np.float64]:
+    def mean_contact_pressure(self) -> Array:
         """Load over contact area [Pa], shape (n,); NaN where nothing touches."""
         return contact_pressure(self.load, self.contact_area)
 
     @property
-    def asked(self) -> dict[str, NDArray[np.float64]]:
+    def asked(self) -> dict[str, Array]:
         """The load points as they were asked for, by name: "asked_pressure" [Pa] or
         "asked_separation" [m]; empty in curves of earlier versions."""
         return {name: part for name, part in self.extra.items() if name.startswith("asked_")}
@@ -296,7 +297,7 @@ class CurveTable:
         ax.set(xlabel=axis(x)[0], ylabel=axis(y)[0])
         return ax
 
-    def _light_to_heavy(self) -> NDArray[np.float64]:
+    def _light_to_heavy(self) -> Array:
         """What orders the load points from light to heavy."""
         if "asked_separation" in self.extra:
             return -self.extra["asked_separation"]

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.signal import fftconvolve
 from scipy.special import beta, ellipe, ellipk, gamma
+
+from surfaces.arrays import Array
 
 __all__ = [
     "elliptic_contact",
@@ -17,8 +18,6 @@ __all__ = [
     "power_law_contact",
     "wave_contact",
 ]
-
-Array = NDArray[np.float64]
 
 
 def power_law_contact(

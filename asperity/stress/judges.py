@@ -13,7 +13,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.bem.solution import BemSolution
@@ -24,6 +23,7 @@ from asperity.errors import AsperityError
 from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
 from .closed_forms import free_displacement, periodic_displacement
@@ -40,7 +40,6 @@ __all__ = [
     "refuse",
 ]
 
-Array = NDArray[np.float64]
 
 AS_A_RULE = 1e-3
 """Difference allowed between answers to questions that are the same [-]."""

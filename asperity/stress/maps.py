@@ -6,14 +6,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 from surfaces.synthesis import self_affine
 
 __all__ = ["TEXTURES", "rough", "rough_heights"]
 
-Array = NDArray[np.float64]
 
 SHAPE = 64, 80
 """Points of every map but for cases about the grid."""

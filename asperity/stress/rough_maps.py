@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.bem.solve import bem_solve
 from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 from surfaces.preparation.resampling import resample
 
@@ -175,7 +175,7 @@ def _one_summit(question: Question) -> float:
     return float(np.ptp(grown[curve.converged]) / grown[curve.converged].mean()) / 1e-2
 
 
-def _flattening(hm: HeightMap, material: HalfSpace) -> NDArray[np.float64]:
+def _flattening(hm: HeightMap, material: HalfSpace) -> Array:
     """Pressure [Pa] that flattens a map wave by wave, zero on average."""
     unit = np.zeros(hm.shape)
     unit[0, 0] = 1.0

@@ -22,6 +22,7 @@ from asperity.microcontact.basin_bem.press import EXPECTED_ERROR
 from asperity.model.decomposition import Decomposition
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import ErrorEstimate
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
 __all__ = [
@@ -33,7 +34,6 @@ __all__ = [
     "terms",
 ]
 
-Array = NDArray[np.float64]
 
 TERMS = (
     "coarse_contacts",

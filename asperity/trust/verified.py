@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.halfspace.material import HalfSpace
 from asperity.parameters import DEFAULTS
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import halved_intervals, interpolated_misfit, log_ratio
+from surfaces.arrays import Array, Index
 from surfaces.checks import random_map
 from surfaces.heightmap import HeightMap
 
@@ -32,8 +32,6 @@ __all__ = [
     "verified",
 ]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 Solved = dict[int, ContactCurve]
 """Curves of one load point each, by its number."""
@@ -165,7 +163,7 @@ def verified(
     return corrected(hm, model, kind, points, misfit, bounds, solved)
 
 
-def answered(model: ContactCurve) -> Indices:
+def answered(model: ContactCurve) -> Index:
     """Indices of the load points at which the model has an answer, in the order of the load."""
     points = np.flatnonzero(
         model.converged
@@ -187,7 +185,7 @@ def pixel_scatter(hm: HeightMap, model: ContactCurve) -> Array:
     return np.asarray(scatter / np.maximum(pixels, 1e-300))
 
 
-def solved_points(judge: Judge, values: Array, new: Indices, share: float) -> Solved:
+def solved_points(judge: Judge, values: Array, new: Index, share: float) -> Solved:
     """The load points `new`, solved by boundary elements within a share of the accuracy."""
     if not new.size:
         return {}
@@ -203,7 +201,7 @@ def anchors_suffice(model: ContactCurve, accuracy: Accuracy) -> bool:
     return bool(np.count_nonzero(left.any(axis=0)) <= len(model) // 2)
 
 
-def _prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array]:
+def _prior_estimates(model: ContactCurve, points: Index) -> tuple[Array, Array]:
     """A-priori estimates of load and area, shape (2, n), and the share of them that yielding adds
     to `PRIOR_SHARE`, (2, n)."""
     stated = model.error_estimate, model.extra["area_error_estimate"]
@@ -217,18 +215,18 @@ def _prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array
     return prior, YIELDED_SHARE * plastic
 
 
-def bounds_at(points: Indices, solved: Solved) -> Array:
+def bounds_at(points: Index, solved: Solved) -> Array:
     """Bounds of load and area of boundary elements at the `points`, shape (2, k)."""
     return np.array([_judged(solved, points, f"{of}error_estimate") for of in ("", "area_")])
 
 
-def _judged(solved: Solved, points: Indices, name: str) -> Array:
+def _judged(solved: Solved, points: Index, name: str) -> Array:
     """Column `name` of boundary elements at the `points`, shape (k,)."""
     curves = [solved[i] for i in points.tolist()]
     return np.array([float({**vars(one), **one.extra}[name][0]) for one in curves])
 
 
-def misfit_at(model: ContactCurve, kind: str, points: Indices, solved: Solved) -> Array:
+def misfit_at(model: ContactCurve, kind: str, points: Index, solved: Solved) -> Array:
     """Logarithms of model over boundary elements, shape (4 or 6, k): load at equal separation;
     area, number of spots and stiffness at equal load; with a hardness also `YIELDED_COLUMNS`."""
 
@@ -249,12 +247,12 @@ def misfit_at(model: ContactCurve, kind: str, points: Indices, solved: Solved) -
     return np.array([load, ratio("contact_area") - _growth(model, points) * load, *beside])
 
 
-def _rate(model: ContactCurve, points: Indices) -> Array:
+def _rate(model: ContactCurve, points: Index) -> Array:
     """k = -d ln F/ds [1/m] of the model, shape (k,)."""
     return np.asarray(model.stiffness[points] / model.mean_pressure[points])
 
 
-def _growth(model: ContactCurve, points: Indices) -> Array:
+def _growth(model: ContactCurve, points: Index) -> Array:
     """d ln A/d ln F of the model at the `points`, shape (k,)."""
     usable = answered(model)
     x, y = np.log(model.mean_pressure[usable]), np.log(model.contact_area[usable])
@@ -269,7 +267,7 @@ def corrected(
     hm: HeightMap,
     model: ContactCurve,
     kind: str,
-    points: Indices,
+    points: Index,
     misfit: Array,
     bounds: Array,
     solved: Solved,

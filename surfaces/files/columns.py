@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.errors import FileFormatError
 
 __all__ = ["gridded"]
 
-Array = NDArray[np.float64]
 
 _OFF = 0.1
 """Distance of a point from its line of the grid, over that of two lines, that is rounding."""
@@ -47,7 +46,7 @@ def gridded(table: Array) -> tuple[Array, tuple[float, float]] | None:
     return heights.reshape(shape), (dy, dx)
 
 
-def _lines(values: Array) -> tuple[NDArray[np.int64], float] | None:
+def _lines(values: Array) -> tuple[Index, float] | None:
     """Number of the line of an even grid on which each value lies, and the distance of two."""
     order = np.sort(values)
     gaps = np.diff(order)

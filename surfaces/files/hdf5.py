@@ -14,6 +14,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surfaces.arrays import Array
 from surfaces.errors import (
     FileFormatError,
     SurfaceError,
@@ -102,7 +103,7 @@ class SurfaceFile:
 
     def heights(
         self, rows: tuple[int, int] | None = None, columns: tuple[int, int] | None = None
-    ) -> NDArray[np.float64]:
+    ) -> Array:
         """Heights [m] of a region, shape (rows, columns); NaN marks missing points.
 
         Parameters
@@ -139,7 +140,7 @@ class SurfaceFile:
         parallel.each(fill, spans(shape[0], self._rows_per_block(shape[1])))
         return heights
 
-    def blocks(self, rows: int | None = None) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    def blocks(self, rows: int | None = None) -> Iterator[tuple[int, Array]]:
         """Whole rows of the map in turn: index of the first row, and heights [m].
 
         Parameters
@@ -205,7 +206,7 @@ class SurfaceFile:
             **self._facts(rows, columns),
         )
 
-    def written(self) -> Iterator[NDArray[np.float64]]:
+    def written(self) -> Iterator[Array]:
         """Heights [m] of all regions that are stored, for what need not know where they are."""
         if self._chunks is None:
             yield from (block for _, block in self.blocks())

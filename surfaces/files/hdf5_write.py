@@ -9,8 +9,9 @@ from typing import Any
 
 import h5py
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from surfaces.arrays import Array
 from surfaces.errors import (
     InputError,
     SurfaceError,
@@ -114,7 +115,7 @@ def write_blocks(
             _write_rows(heights, row, rows)
 
 
-def _write_rows(heights: h5py.Dataset, row: int, rows: NDArray[np.float64]) -> None:
+def _write_rows(heights: h5py.Dataset, row: int, rows: Array) -> None:
     """Write whole rows of chunks that begin at a row; threads pack the chunks."""
     ny, nx = heights.chunks
 
@@ -133,7 +134,7 @@ def _write_rows(heights: h5py.Dataset, row: int, rows: NDArray[np.float64]) -> N
 
 def _whole_chunks(
     blocks: Iterable[ArrayLike], shape: tuple[int, int], side: int
-) -> Iterator[tuple[int, NDArray[np.float64]]]:
+) -> Iterator[tuple[int, Array]]:
     """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
     held, written = np.empty((0, shape[1])), 0
     low, high = np.nan, np.nan

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from surfaces.arrays import Array
 from surfaces.errors import FileFormatError, InputError
 from surfaces.heightmap import HeightMap
 from surfaces.polar import PolarProfile
@@ -58,7 +59,7 @@ def read_profile(
     return _highest_peak(read(path, dataset=dataset, unit=unit, spacing=spacing), name)
 
 
-def _column(file: Any, key: str, name: str) -> NDArray[np.float64]:
+def _column(file: Any, key: str, name: str) -> Array:
     if key not in file:
         raise FileFormatError(
             f"{name}: no dataset {key!r}; a profile file holds r, phi and f, a surface file heights"

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.errors import checked_history, checked_range, checked_spacing
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
@@ -49,7 +49,7 @@ class StoredMap(HeightMap):
     @classmethod
     def of_blocks(
         cls,
-        blocks: Iterable[tuple[int, NDArray[np.float64]]],
+        blocks: Iterable[tuple[int, Array]],
         shape: tuple[int, int],
         dtype: Any,
         spacing: tuple[float, float],
@@ -78,7 +78,7 @@ class StoredMap(HeightMap):
         return found
 
     @functools.cached_property
-    def heights(self) -> NDArray[np.float64]:
+    def heights(self) -> Array:
         """All heights [m], loaded."""
         ny, nx = self.shape
         require_memory(

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from surfaces.arrays import Array, Index
 
 __all__ = ["count_below", "lagrange"]
 
-Array = NDArray[np.float64]
-
-Counts = NDArray[np.int64]
 
 _OTHERS = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
 
@@ -31,7 +30,7 @@ def lagrange(nodes: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
     return a * b * c / below, (a * b + b * c + c * a) / below
 
 
-def count_below(places: Array, at: Array) -> Counts:
+def count_below(places: Array, at: Array) -> Index:
     """Number of the `places` of a row, (n, k), that are below each of `at`, (n, l), shape (n, l).
 
     Examples

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba.extending import register_jitable
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array
 
 from .compiled import QUOTIENTS, inner
 from .vector_type import WORD, constant, unary
@@ -79,7 +80,7 @@ def in_groups(count: int) -> int:
 
 
 @register_jitable
-def groups(count: int) -> NDArray[np.float64]:
+def groups(count: int) -> Array:
     """Working space of `count` groups, at the start of a cache line, with any content; compiled
     loops call this too."""
     space = np.empty((count + 1) * LANES)
@@ -87,7 +88,7 @@ def groups(count: int) -> NDArray[np.float64]:
     return space[first : first + count * LANES]
 
 
-def packed(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def packed(values: Array) -> Array:
     """One row per profile, lengthened by zeros to whole groups."""
     rows = np.ascontiguousarray(values).reshape(len(values), math.prod(values.shape[1:]))
     spare = in_groups(rows.shape[1]) - rows.shape[1]

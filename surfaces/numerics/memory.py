@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.numerics.stored_array import (
     Blocks,
@@ -54,7 +55,6 @@ _MEMINFO = Path("/proc/meminfo")
 _CGROUP = Path("/sys/fs/cgroup")
 _limit: int | None = None
 
-Array = NDArray[np.float64]
 Change = Callable[[NDArray[Any]], NDArray[Any]]
 Record = TypeVar("Record", bound=Any)
 

@@ -24,7 +24,8 @@ from functools import partial
 
 import numpy as np
 from numpy.polynomial import polynomial
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array
 
 from . import parallel
 from .compiled import BORROWING, compiled, inner
@@ -153,7 +154,7 @@ def _filter_rows(flat, nx, periodic, start, stop):
                     flat[(top + at) * width + j] = line[j * LINES + at]
 
 
-def _weights() -> NDArray[np.float64]:
+def _weights() -> Array:
     """Coefficients (derivative, power of t, lane) of the weights of the taps -2 to 3.
 
     The quintic B-spline is sum_k (-1)^k binomial(6, k) (x + 3 - k)_+^5 / 120, at x = t - tap.
@@ -250,7 +251,7 @@ def expand(flat, width, y, x):
     )
 
 
-def coefficients(heights: Source, periodic: bool) -> NDArray[np.float64]:
+def coefficients(heights: Source, periodic: bool) -> Array:
     """Spline coefficients, shape (ny + 2 PAD, nx + 2 PAD), that interpolate `heights` exactly.
 
     Those of heights on disk are made in strips of rows, and are mapped.
@@ -269,9 +270,7 @@ def coefficients(heights: Source, periodic: bool) -> NDArray[np.float64]:
     return out.mapped
 
 
-def _coefficients(
-    heights: NDArray[np.float64], around_y: bool, around_x: bool
-) -> NDArray[np.float64]:
+def _coefficients(heights: Array, around_y: bool, around_x: bool) -> Array:
     """Those of heights that are repeated along an axis or continued beyond its border."""
     ny, nx = heights.shape
     heights = np.ascontiguousarray(heights)

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.errors import SurfaceError
 
 __all__ = [
@@ -161,7 +162,7 @@ class StoredArray:
             points[here] = row[0]
         return points.reshape(lines.shape)[()]
 
-    def _runs(self, lines: NDArray[np.int64]) -> Iterator[slice]:
+    def _runs(self, lines: Index) -> Iterator[slice]:
         """Parts of a list of rows that follow each other, of `BLOCK_BYTES` at most."""
         most = max(1, BLOCK_BYTES // (self.shape[1] * self.dtype.itemsize))
         ends = np.append(np.flatnonzero(np.diff(lines) != 1) + 1, lines.size)
@@ -171,7 +172,7 @@ class StoredArray:
                 yield slice(start, min(start + most, end))
                 start = min(start + most, end)
 
-    def _read(self, first: int, places: NDArray[np.int64], out: NDArray[Any]) -> None:
+    def _read(self, first: int, places: Index, out: NDArray[Any]) -> None:
         """Columns `places` of the rows from `first` on, as many as `out` has."""
         if not out.size:
             return
@@ -202,12 +203,12 @@ class StoredArray:
 
 
 Source = NDArray[Any] | StoredArray
-Blocks = Iterable[tuple[int, NDArray[np.float64]]]
+Blocks = Iterable[tuple[int, Array]]
 
 
 def windows(
     source: Source, first: int = 0, last: int | None = None, below: int = 0
-) -> Iterator[tuple[int, int, NDArray[np.float64]]]:
+) -> Iterator[tuple[int, int, Array]]:
     """The rows from `first` to `last` of an array in parts, the same in memory and on disk: sums
     over them are equal to the last digit.
 

@@ -18,6 +18,7 @@ from bokeh.models import (
 from bokeh.models.annotations import ColorBar
 from numpy.typing import NDArray
 
+from surfaces.arrays import Mask
 from surfaces.drawing import averaged, color_range, prefixed_unit, shown_shape
 
 from .figures import INK, bare_plot
@@ -156,7 +157,7 @@ def reduced(values: NDArray[Any], most: int = SHOWN) -> NDArray[Any]:
     return np.asarray(np.round(shown / unit) * unit)
 
 
-def touched(mask: NDArray[np.bool_], most: int = SHOWN) -> NDArray[np.uint8]:
+def touched(mask: Mask, most: int = SHOWN) -> NDArray[np.uint8]:
     """A mask with at most `most` points along a side, 1 wherever any point that it covers is."""
     return (averaged(mask.astype(np.float32), most) > 0.0).astype(np.uint8)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import PAD, expand
 from surfaces.numerics.vectors import prefetch
@@ -33,7 +33,7 @@ def prefetch_block(array, width, row, col, rows, cols):
             prefetch(array, i * width + col + min(j, cols - 1))
 
 
-def _quartic_rows() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _quartic_rows() -> tuple[Array, Array]:
     """Least-squares quartic on 5 x 5 points: coefficients (15, 25) and residuals (25, 25)."""
     y, x = (a.ravel() for a in np.mgrid[-2:3, -2:3].astype(float))
     terms = [y**i * x ** (degree - i) for degree in range(5) for i in range(degree + 1)]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index, Mask
 from surfaces.checks import HIGHEST_SHARE
 from surfaces.errors import InputError, SurfaceError
 from surfaces.heightmap import HeightMap, require_map
@@ -33,8 +34,6 @@ __all__ = [
 SUMMIT, PLATEAU, RIM = 0, -1, -2
 """Kinds of peaks: the surface has a maximum near the pixel; it has none (flat tops too); it has
 none, and the pixel lies at the border of the map."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,19 +78,19 @@ class Peaks:
     True
     """
 
-    row: NDArray[np.int64]
-    col: NDArray[np.int64]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    height: NDArray[np.float64]
-    prominence: NDArray[np.float64]
-    saddle: NDArray[np.float64]
-    parent: NDArray[np.int64]
-    basin_area: NDArray[np.float64]
-    border: NDArray[np.bool_]
+    row: Index
+    col: Index
+    x: Array
+    y: Array
+    height: Array
+    prominence: Array
+    saddle: Array
+    parent: Index
+    basin_area: Array
+    border: Mask
     labels: NDArray[np.int32]
-    neighbors: NDArray[np.int64]
-    passes: NDArray[np.float64]
+    neighbors: Index
+    passes: Array
     min_prominence: float = 0.0
 
     def __len__(self) -> int:
@@ -141,19 +140,19 @@ class SummitArrays:
     height: Array
     curvature: Array
     angle: Array
-    pixels: NDArray[np.int64]
-    border: NDArray[np.bool_]
-    valid: NDArray[np.bool_]
-    owner: NDArray[np.int64]
+    pixels: Index
+    border: Mask
+    valid: Mask
+    owner: Index
     peaks: Peaks = field(repr=False)
     hm: HeightMap = field(repr=False)
     spline: Array = field(repr=False)
     places: Array = field(repr=False)
-    kinds: NDArray[np.int64] = field(repr=False)
+    kinds: Index = field(repr=False)
     floor: Array = field(repr=False)
     tilt: Array = field(repr=False)
     dip: Array = field(repr=False)
-    single: NDArray[np.int64] = field(repr=False)
+    single: Index = field(repr=False)
 
     def __len__(self) -> int:
         return int(self.x.size)
@@ -184,7 +183,7 @@ def require_peaks(peaks: object, hm: HeightMap) -> None:
         )
 
 
-def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[Index, Index]:
     """Peaks with a flat top, and the middle of each.
 
     Returns
@@ -218,7 +217,7 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
     return rows[flat], points[order[first]]
 
 
-def _off_mean(place: Array, of: NDArray[np.int64], period: int | None) -> Array:
+def _off_mean(place: Array, of: Index, period: int | None) -> Array:
     """Distance along one axis of each point from the mean of its group `of`.
 
     On a periodic axis positions are first taken within half a period of the circular mean of the
@@ -242,7 +241,7 @@ def flat_share(hm: HeightMap) -> float:
     return float(np.mean(_level_steps(hm, top).all(axis=1)))
 
 
-def _level_steps(hm: HeightMap, points: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _level_steps(hm: HeightMap, points: Index) -> Mask:
     """Whether each of the nine points about each of the `points` (k, 2) has its height, (k, 9)."""
     steps = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1), indexing="ij"), axis=-1).reshape(9, 2)
     near, shape = points[:, None] + steps, np.array(hm.shape)

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index, Mask
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.splines import LANES, PAD
@@ -22,9 +22,6 @@ __all__ = ["PART", "Profiles", "SampledRays", "bearing_areas", "ray_aspect"]
 
 _PER_RAY, _ANGLES = 48, 256  # radii on the shortest ray, and directions, of a single profile
 _NARROWEST = np.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 
 # compression of a peak mirrored at the border: half a paraboloid pressed by boundary elements
@@ -99,15 +96,15 @@ class Profiles:
     edge: Array
     t: Array
     q: Array
-    pixels: NDArray[np.int64]
-    border: NDArray[np.bool_]
-    valid: NDArray[np.bool_]
-    owner: NDArray[np.int64]
+    pixels: Index
+    border: Mask
+    valid: Mask
+    owner: Index
 
     def __len__(self) -> int:
         return int(self.x.size)
 
-    def rows(self, index: NDArray[np.int64]) -> Profiles:
+    def rows(self, index: Index) -> Profiles:
         """The profiles of the peaks `index`; `owner` keeps the numbers of all peaks."""
         every = vars(self)
         return Profiles(**{k: v if k == "t" else v[index] for k, v in every.items()})
@@ -208,7 +205,7 @@ class SampledRays:
     """Rays of the peaks `index` (k,), sampled part by part into the arrays `phi`, `weight`, `edge`
     and `q` of `Profiles`, one row for each of these peaks."""
 
-    def __init__(self, summits: SummitArrays, index: Rows, rays: int, nodes: int) -> None:
+    def __init__(self, summits: SummitArrays, index: Index, rays: int, nodes: int) -> None:
         self._summits, self._index = summits, index
         self.phi, self.weight, self.edge = (np.empty((index.size, rays)) for _ in range(3))
         self.q = np.empty((index.size, rays, nodes))
@@ -221,7 +218,7 @@ class SampledRays:
         parameter = 2.0 * np.pi * np.arange(rays) / rays
         self._cos, self._sin = np.cos(parameter), np.sin(parameter)
 
-    def fill(self, slot: Rows) -> None:
+    def fill(self, slot: Index) -> None:
         """Fill the rows `slot`, of `PART` at most."""
         of, peak = self._summits, self._index[slot]
         along, across = self._directions(slot, of.curvature[peak], of.angle[peak])
@@ -259,7 +256,7 @@ class SampledRays:
         blunt = slot[of.kinds[peak] != SUMMIT]
         self.q[blunt, :, 0] = self.q[blunt, :, 1]
 
-    def _directions(self, slot: Rows, curvature: Array, angle: Array) -> tuple[Array, Array]:
+    def _directions(self, slot: Index, curvature: Array, angle: Array) -> tuple[Array, Array]:
         """Cosine and sine of the rays in the principal axes of the peaks, shape (n, rays) each.
 
         The rays are equal steps in the parameter of the ellipse of semi-axes 1 and `ray_aspect`.
@@ -280,7 +277,7 @@ class SampledRays:
         self.weight[slot] = weight
         return along, across
 
-    def _ways(self, peak: Rows, along: Array, across: Array) -> tuple[Array, Array, Array]:
+    def _ways(self, peak: Index, along: Array, across: Array) -> tuple[Array, Array, Array]:
         """Steps of the rays along y and x, the larger one a pixel, and their length [m]."""
         of = self._summits
         axis_x, axis_y = (turn(of.angle[peak])[:, None] for turn in (np.cos, np.sin))

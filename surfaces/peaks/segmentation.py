@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index, Mask
 from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
@@ -157,12 +158,8 @@ def _lowest(hm: HeightMap, above: float) -> float:
 
 
 def _merged(
-    height: NDArray[np.float64],
-    keys: NDArray[np.int64],
-    passes: NDArray[np.float64],
-    lowest: float,
-    limit: float,
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    height: Array, keys: Index, passes: Array, lowest: float, limit: float
+) -> tuple[Array, Index, Index]:
     """Saddle and parent of each peak, and the peak that keeps its basin after pruning; a pair of
     peaks may have several of the passes."""
     order = _falling(passes, keys)
@@ -171,9 +168,7 @@ def _merged(
     return _flood.merge(height, low, high, passes[order], lowest, limit)  # type: ignore[no-any-return]
 
 
-def _unique_pairs(
-    keys: NDArray[np.int64], passes: NDArray[np.float64], n: int
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _unique_pairs(keys: Index, passes: Array, n: int) -> tuple[Index, Array]:
     """Pairs (k, 2) of the keys ``first * n + second``, each once and in order; highest passes."""
     if not keys.size:
         return np.empty((0, 2), np.int64), np.empty(0)
@@ -185,9 +180,7 @@ def _unique_pairs(
     return np.column_stack([low, keys - low * n]), np.maximum.reduceat(passes[order], first)
 
 
-def _falling(
-    values: NDArray[np.float64], keys: NDArray[np.int64] | None = None
-) -> NDArray[np.int64]:
+def _falling(values: Array, keys: Index | None = None) -> Index:
     """Order of descending values; equal ones by their keys, or by position without keys.
 
     Only equal values are sorted stably: a stable sort of all is slower.
@@ -219,9 +212,7 @@ def _limit(hm: HeightMap, min_prominence: float, wolf: float | None) -> float:
     return max(float(min_prominence), wolf / 100.0 * (hm.roughness.highest - hm.roughness.lowest))
 
 
-def _links(
-    hm: HeightMap, above: float
-) -> tuple[NDArray[np.int32], NDArray[np.int64], list[NDArray[np.int32]]]:
+def _links(hm: HeightMap, above: float) -> tuple[NDArray[np.int32], Index, list[NDArray[np.int32]]]:
     """Pointer map (`_flood`), summit pixels in any order, and the flooded runs of each block."""
     heights = hm.heights
     link = np.empty(heights.size, np.int32)
@@ -236,7 +227,7 @@ def _links(
     return link, np.concatenate(summits).astype(np.int64), [part[2] for part in found]
 
 
-def _at_border(labels: NDArray[np.int32], n: int, periodic: bool) -> NDArray[np.bool_]:
+def _at_border(labels: NDArray[np.int32], n: int, periodic: bool) -> Mask:
     border = np.zeros(n + 1, np.bool_)
     if not periodic:
         for rim in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import BLOCK_BYTES, StoredArray, rows_around
@@ -17,9 +18,7 @@ from . import _flood
 
 __all__ = ["Flooded", "flood_strips", "neighbor_distances"]
 
-Array = NDArray[np.float64]
-Pixels = NDArray[np.int64]
-Index = NDArray[np.int32]
+Labels = NDArray[np.int32]
 
 STRIP_HALO = 8
 """Rows on both sides of a strip that are read first, to follow the plateaus that leave it."""
@@ -50,11 +49,11 @@ class Flooded(NamedTuple):
         Touching pairs as ``first * n + second``, some several times, and their passes [m].
     """
 
-    summit: Pixels
+    summit: Index
     height: Array
     labels: Any
-    counts: Pixels
-    keys: Pixels
+    counts: Index
+    keys: Index
     passes: Array
 
 
@@ -153,7 +152,7 @@ def neighbor_distances(hm: HeightMap) -> tuple[float, float, float]:
 
 
 def _reach(
-    window: Array, periodic: bool, link: Index, flat: Pixels, cut: Pixels, rows: tuple[int, int]
+    window: Array, periodic: bool, link: Labels, flat: Index, cut: Index, rows: tuple[int, int]
 ) -> bool:
     """Whether plateaus, of pixels `flat`, that hold a pixel of `cut` have any in some rows."""
     link, queue = link.copy(), np.empty(flat.size, np.int64)
@@ -177,7 +176,7 @@ def _rows(hm: HeightMap, top: int, bottom: int) -> Array:
     return np.pad(held, (ends, (0, 0)), constant_values=-np.inf)
 
 
-def _names(strips: list[Flooded], rank: Pixels, periodic: bool) -> list[Pixels]:
+def _names(strips: list[Flooded], rank: Index, periodic: bool) -> list[Index]:
     """Peak in the map of each label of each strip, -1 if none.
 
     A way that leaves a strip goes on from a pixel of the next one, whose label may lead on in turn.

@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.errors import SurfaceError, as_count
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel, splines
@@ -25,8 +25,6 @@ _BAND = 32  # rows of a band; `_near` orders peaks by bands
 _SAME = 0.2  # two summits nearer than this [pixels] are one
 _RING = 0.1  # the spline rings on a flat top by up to this part of its height
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False)
 class Summits(SummitArrays):
@@ -35,7 +33,7 @@ class Summits(SummitArrays):
     At light loads most peaks never touch, and the rays of all would cost more than all the rest.
     """
 
-    def joined(self, pairs: NDArray[np.int64], floors: Array) -> Summits:
+    def joined(self, pairs: Index, floors: Array) -> Summits:
         """Summits with the basins of each of the `pairs` (k, 2) joined to one basin.
 
         It belongs to the higher summit, of equal ones to that with the larger basin. The basins of
@@ -56,7 +54,7 @@ class Summits(SummitArrays):
             valid[lost] = False
         return replace(self, owner=owner, floor=floor, pixels=pixels, border=border, valid=valid)
 
-    def tilted(self, index: NDArray[np.int64], gradient: Array, dip: Array) -> Summits:
+    def tilted(self, index: Index, gradient: Array, dip: Array) -> Summits:
         """Summits after a tilt of the basins of the peaks `index` (k,).
 
         The surface of each falls by the `gradient` along y and x [-], (k, 2), in addition. A ray
@@ -85,11 +83,11 @@ class Summits(SummitArrays):
         own["valid"][index] &= kinds[index] == SUMMIT
         return replace(self, **own)
 
-    def near(self, index: NDArray[np.int64]) -> NDArray[np.int64]:
+    def near(self, index: Index) -> Index:
         """Order of the peaks `index` in which neighbors on the map follow each other."""
         return _near(self.peaks.row[index], self.peaks.col[index])
 
-    def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
+    def rows(self, index: Index, *, rays: int = 16, nodes: int = 17) -> Profiles:
         """Profiles of the peaks `index` (k,), in that order; rays and nodes as in `fit_profiles`.
         `owner` counts the peaks of the whole map."""
         rays, nodes = as_count("rays", rays, 4), as_count("nodes", nodes, 4)
@@ -148,9 +146,9 @@ def _climbed(
     hm: HeightMap,
     labels: Source,
     spline: Array,
-    start: tuple[NDArray[np.int64], NDArray[np.int64], Array, NDArray[np.int64]],
+    start: tuple[Index, Index, Array, Index],
     places: Array,
-    kinds: NDArray[np.int64],
+    kinds: Index,
 ) -> Array:
     """Climb from the rows and columns of the pixels of all peaks, on the surface with their tilts,
     for the peaks of an order: `start`. Fills in their places and kinds; returns the expansions of
@@ -230,14 +228,12 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     return locate_summits(hm, peaks).rows(np.arange(len(peaks)), rays=rays, nodes=nodes)
 
 
-def _near(row: NDArray[np.int64], col: NDArray[np.int64]) -> NDArray[np.int64]:
+def _near(row: Index, col: Index) -> Index:
     """Order of pixels by bands of rows, then by columns: neighbors share the cache."""
     return np.argsort((row // _BAND << 32) + col)
 
 
-def _owners(
-    hm: HeightMap, peaks: Peaks, places: Array, kinds: NDArray[np.int64]
-) -> NDArray[np.int64]:
+def _owners(hm: HeightMap, peaks: Peaks, places: Array, kinds: Index) -> Index:
     """Owner of each peak (`Profiles.owner`). If two peaks have one summit, `kinds` of the one whose
     basin does not hold it becomes 1 + the other."""
     n = len(peaks)

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
+from surfaces.arrays import Array
 from surfaces.errors import InputError, SurfaceError, as_choice, as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics.stored_array import Source, windows
@@ -115,7 +115,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     return made.replace(periodic=True, step=step)
 
 
-def _mirrored(source: Source) -> Iterator[tuple[int, NDArray[np.float64]]]:
+def _mirrored(source: Source) -> Iterator[tuple[int, Array]]:
     """Blocks of rows of an array and its mirror images."""
     for begin, end, rows in windows(source):
         rows = np.hstack([rows, rows[:, ::-1]])
@@ -142,7 +142,7 @@ def _seam_carrier(source: Source) -> Source:
     """
     (ny, nx), down, across = source.shape, source[-1] - source[0], source[:, -1] - source[:, 0]
 
-    def steps() -> Iterator[tuple[int, NDArray[np.float64]]]:
+    def steps() -> Iterator[tuple[int, Array]]:
         for begin, end, _ in windows(source):
             rows = np.zeros((end - begin, nx))
             if begin == 0:
@@ -155,7 +155,7 @@ def _seam_carrier(source: Source) -> Source:
 
     along_y, along_x = np.cos(2 * np.pi * fft.fftfreq(ny)), np.cos(2 * np.pi * fft.rfftfreq(nx))
 
-    def share(columns: slice) -> NDArray[np.float64]:
+    def share(columns: slice) -> Array:
         laplacian = 2.0 * (along_y[:, None] + along_x[columns]) - 4.0
         if columns.start == 0:
             laplacian[0, 0] = np.inf
@@ -171,7 +171,7 @@ def _gentle(hm: HeightMap) -> float:
     return min(width, WIDEST_FADE * min(hm.size))
 
 
-def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:
+def _window(places: Array, length: float, strip: float) -> Array:
     """Raised cosine: 0 at the border, 1 from `strip` inwards."""
     inward = np.minimum(places, length - places)
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(inward / strip, 1.0)))

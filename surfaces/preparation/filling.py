@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, diags
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
+from surfaces.arrays import Array, Index, Mask
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.memory import available_bytes, require_memory
@@ -18,8 +18,6 @@ from surfaces.numerics.stored_array import Source, array_of, windows
 
 __all__ = ["fill_missing", "middle", "quick_fill", "replaced"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _DIRECT = 400_000
 """Largest gap [pixels] that is solved directly, not by conjugate gradients."""
@@ -155,7 +153,7 @@ def _heights_about(hm: HeightMap, places: Index, window: Array, begin: int) -> A
 
 def _equations(
     hm: HeightMap, places: Index, around: Array, level: float
-) -> tuple[csc_matrix, Array, NDArray[np.bool_]]:
+) -> tuple[csc_matrix, Array, Mask]:
     """Matrix and right side, heights about a level, of the Laplace equation on missing points, and
     which of them have a missing neighbor that is not among them."""
     (ny, nx), count = hm.shape, len(places)

@@ -12,6 +12,7 @@ from scipy import fft
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
+from surfaces.arrays import Array, Mask
 from surfaces.errors import SurfaceError, as_choice, as_number, checked_part
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
@@ -20,7 +21,6 @@ from surfaces.numerics.stored_array import Blocks, Source, blocks_of, windows
 
 __all__ = ["FILTERS", "bandpass", "crop", "passed"]
 
-Array = NDArray[np.float64]
 
 FILTERS = ("sharp", "gaussian", "spline")
 
@@ -131,7 +131,7 @@ def _cut(hm: HeightMap, lower: float, upper: float) -> Source:
     fy, fx = _frequencies(hm)
     kept = 0
 
-    def share(columns: slice) -> NDArray[np.bool_]:
+    def share(columns: slice) -> Mask:
         nonlocal kept
         frequency = np.hypot(fy[:, None], fx[None, columns])
         keep = frequency >= (1.0 - 1e-12) / upper

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.errors import SurfaceError, as_choice
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.stored_array import Source, each_block, windows
@@ -117,25 +117,23 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
     return levelled.replace(step=step)
 
 
-def _axis(count: int) -> NDArray[np.float64]:
+def _axis(count: int) -> Array:
     """Pixel centres scaled to the interval -1 to 1."""
     return (2.0 * np.arange(count) + 1.0 - count) / count
 
 
-def _evaluate(
-    coefficients: NDArray[np.float64], v: NDArray[np.float64], u: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _evaluate(coefficients: Array, v: Array, u: Array) -> Array:
     terms = [(a, b, c) for (a, b), c in zip(_POWERS, coefficients, strict=False) if c]
     along_y = sum((c * v**b for a, b, c in terms if a == 0), np.zeros(v.size))
     along_x = sum((c * u**a for a, b, c in terms if a and b == 0), np.zeros(u.size))
-    form: NDArray[np.float64] = along_y[:, None] + along_x
+    form: Array = along_y[:, None] + along_x
     for a, b, c in terms:
         if a and b:
             form += (c * v**b)[:, None] * u**a
     return form
 
 
-def _sample(heights: Source) -> tuple[int, NDArray[np.float64]]:
+def _sample(heights: Source) -> tuple[int, Array]:
     """Stride and heights of some hundred thousand points, evenly spread, some of them present."""
     stride = max(1, math.isqrt(heights.size // 200_000))
     while np.isnan(sample := heights[::stride, ::stride]).all():
@@ -143,7 +141,7 @@ def _sample(heights: Source) -> tuple[int, NDArray[np.float64]]:
     return stride, sample
 
 
-def _limits(residual: NDArray[np.float64]) -> tuple[float, float]:
+def _limits(residual: Array) -> tuple[float, float]:
     """Centre of the residuals of a sample, and how far from it points are kept."""
     sample = residual[~np.isnan(residual)]
     center = float(np.median(sample))
@@ -152,13 +150,8 @@ def _limits(residual: NDArray[np.float64]) -> tuple[float, float]:
 
 
 def _sums(
-    z: Source,
-    coefficients: NDArray[np.float64],
-    limits: tuple[float, float],
-    v: NDArray[np.float64],
-    u: NDArray[np.float64],
-    form: str,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    z: Source, coefficients: Array, limits: tuple[float, float], v: Array, u: Array, form: str
+) -> tuple[Array, Array]:
     """Moments of the places, and of the heights, within limits about a form: one matrix product
     each."""
     center, limit = limits
@@ -177,22 +170,14 @@ def _powers(form: str) -> list[tuple[int, int]]:
     return _POWERS[: _TERMS[form]]
 
 
-def _fit(
-    moments: NDArray[np.float64], right: NDArray[np.float64], form: str, aspect: float
-) -> NDArray[np.float64]:
+def _fit(moments: Array, right: Array, form: str, aspect: float) -> Array:
     """Least squares from the moments of the grid."""
     powers = _powers(form)
     matrix = np.array([[moments[b + d, a + c] for c, d in powers] for a, b in powers])
     return _constrained(matrix, np.array([right[b, a] for a, b in powers]), form, aspect)
 
 
-def _solve(
-    z: NDArray[np.float64],
-    v: NDArray[np.float64],
-    u: NDArray[np.float64],
-    form: str,
-    aspect: float,
-) -> NDArray[np.float64]:
+def _solve(z: Array, v: Array, u: Array, form: str, aspect: float) -> Array:
     """Least absolute deviations of scattered values, by reweighting."""
     columns = np.stack([u**a * v**b for a, b in _powers(form)], axis=1)
     weight = np.ones(z.size)
@@ -204,19 +189,17 @@ def _solve(
     return coefficients
 
 
-def _constrained(
-    matrix: NDArray[np.float64], right: NDArray[np.float64], form: str, aspect: float
-) -> NDArray[np.float64]:
+def _constrained(matrix: Array, right: Array, form: str, aspect: float) -> Array:
     """Solve the normal equations in the space of the form."""
     if form != "cylinder":
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
 
-    def basis(angle: float) -> NDArray[np.float64]:
+    def basis(angle: float) -> Array:
         across_u, across_v = math.cos(angle), math.sin(angle) * aspect
         square = np.array([across_u**2, 2.0 * across_u * across_v, across_v**2])
         return np.hstack([np.eye(6, 3), np.r_[np.zeros(3), square][:, None]])
 
-    def solution(angle: float) -> tuple[float, NDArray[np.float64]]:
+    def solution(angle: float) -> tuple[float, Array]:
         columns = basis(angle)
         inner = np.linalg.lstsq(columns.T @ matrix @ columns, columns.T @ right, rcond=None)[0]
         return -float(inner @ (columns.T @ right)), columns @ inner
@@ -229,9 +212,7 @@ def _constrained(
     return solution(best)[1]
 
 
-def _block_medians(
-    z: Source, v: NDArray[np.float64], u: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _block_medians(z: Source, v: Array, u: Array) -> tuple[Array, Array, Array]:
     """Median height and mean place of the present points of a coarse grid of blocks."""
     columns = np.array_split(np.arange(len(u)), min(_BLOCKS, len(u)))
     found = []
@@ -251,7 +232,7 @@ def _block_medians(
 
 
 def _described(
-    coefficients: NDArray[np.float64], shift: float, size: tuple[float, float], form: str
+    coefficients: Array, shift: float, size: tuple[float, float], form: str
 ) -> dict[str, object]:
     """Coefficients in physical terms about the middle of the map."""
     half_y, half_x = size[0] / 2.0, size[1] / 2.0

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from surfaces.arrays import Array, Index
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.stored_array import Source, array_of, each_block, rows_around, windows
@@ -19,8 +19,6 @@ from .filling import middle, quick_fill, replaced
 
 __all__ = ["mark_outliers"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _NINE_TENTHS = 1.6449  # nine tenths of a normal variable lie within this many deviations
 _MEAN = 0.7979  # mean absolute value of a normal variable, in deviations
@@ -165,14 +163,14 @@ def _spikes(strip: _Strip, limit: float, threshold: float, periodic: bool) -> tu
     return places + strip.begin * strip.rows.shape[1], strip.median[strip.block].ravel()[places]
 
 
-def _median(z: NDArray[np.float64], periodic: bool) -> NDArray[np.float64]:
+def _median(z: Array, periodic: bool) -> Array:
     """Median of the 5 x 5 points about each point; the map goes on evenly beyond its border."""
     padded = np.pad(z, 2, mode="wrap") if periodic else _extended(_extended(z).T).T
     blurred = cv2.medianBlur(padded.astype(np.float32), 5)
     return np.asarray(blurred[2:-2, 2:-2], dtype=np.float64)
 
 
-def _extended(z: NDArray[np.float64]) -> NDArray[np.float64]:
+def _extended(z: Array) -> Array:
     """Two rows more on either side, mirrored through the medians along the border rows."""
     first, last = (median_filter(row, 5, mode="nearest") for row in (z[0], z[-1]))
     return np.vstack([2.0 * first - z[2:0:-1], z, 2.0 * last - z[-2:-4:-1]])

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
+from surfaces.arrays import Array, Index
 from surfaces.errors import SurfaceError, checked_spacing
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel, splines
@@ -122,7 +123,7 @@ def resample_waves(
     nx: int,
     fewer: tuple[int, int] = (1, 1),
     corner: tuple[float, float] = (0.0, 0.0),
-) -> NDArray[np.float64]:
+) -> Array:
     """Trigonometric interpolation of a periodic array to the cell centres of (ny, nx) pixels.
 
     Rows are transformed first, then the columns of the waves that are kept. If every `fewer`-th
@@ -271,7 +272,7 @@ def _holds(coarse: HeightMap, hm: HeightMap, corner: tuple[float, float]) -> boo
     )
 
 
-def _highest(hm: HeightMap) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _highest(hm: HeightMap) -> tuple[Index, Index]:
     """Row and column of the highest point of each of `ROW_BANDS` times `ROW_BANDS` blocks."""
     nx, found, band = hm.shape[1], hm.roughness, np.arange(ROW_BANDS)
     bounds = nx * np.arange(ROW_BANDS + 1) // ROW_BANDS

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.heightmap import HeightMap, require_map
 
 from .heights import over_present, some_roughness
@@ -56,10 +57,10 @@ class BearingCurve:
     True
     """
 
-    ratio: NDArray[np.float64]
-    height: NDArray[np.float64]
-    points: NDArray[np.float64] = field(repr=False)
-    counts: NDArray[np.int64] | None = field(default=None, repr=False)
+    ratio: Array
+    height: Array
+    points: Array = field(repr=False)
+    counts: Index | None = field(default=None, repr=False)
 
     def ratio_at(self, height: float) -> float:
         """Fraction of the surface above a height over the mean [m]."""
@@ -182,10 +183,10 @@ def _counted(hm: HeightMap) -> BearingCurve:
     found, points = some_roughness(hm), hm.source.size - hm.missing
     per_height = _LEVELS / (found.highest - found.lowest)
 
-    def level(z: NDArray[np.float64]) -> NDArray[np.int64]:
+    def level(z: Array) -> Index:
         return np.minimum(((z - found.lowest) * per_height).astype(np.int64), _LEVELS - 1)
 
-    def counted(z: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[Any]]:
+    def counted(z: Array) -> tuple[NDArray[Any], NDArray[Any]]:
         levels = level(z)
         return (
             np.bincount(levels, minlength=_LEVELS),
@@ -204,7 +205,7 @@ def _counted(hm: HeightMap) -> BearingCurve:
     read = np.zeros(_LEVELS, np.bool_)
     read[of_rank] = True
 
-    def held_in(z: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[Any]]:
+    def held_in(z: Array) -> tuple[NDArray[Any], NDArray[Any]]:
         values, times = np.unique(z[read[level(z)]], return_counts=True)
         return values, times
 

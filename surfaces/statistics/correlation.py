@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from surfaces.arrays import Array, Index
 from surfaces.errors import require_kind
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
@@ -20,7 +21,6 @@ from .heights import some_roughness
 
 __all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
 
-Array = NDArray[np.float64]
 
 THRESHOLD = 0.2
 """Correlation at which Sal and Str are read (ISO 25178-2)."""
@@ -53,8 +53,8 @@ class Autocorrelation:
     0.0
     """
 
-    lag_y: NDArray[np.float64]
-    lag_x: NDArray[np.float64]
+    lag_y: Array
+    lag_x: Array
     value: Source
 
     @property
@@ -217,10 +217,7 @@ def _read_at(value: Source, rows: Array, columns: Array) -> Array:
 
 
 def _correlated(
-    hm: HeightMap,
-    change: Callable[[Array], Array],
-    shape: tuple[int, ...],
-    lags: tuple[NDArray[np.int64], ...],
+    hm: HeightMap, change: Callable[[Array], Array], shape: tuple[int, ...], lags: tuple[Index, ...]
 ) -> Source:
     """Sum of the products of the heights, changed and padded to `shape`, with themselves at these
     lags, an array like the heights."""

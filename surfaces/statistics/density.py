@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import Transform, along_both
@@ -19,7 +20,6 @@ from surfaces.preparation.levelling import level
 
 __all__ = ["TIED", "Density", "density_of", "texture_direction", "wave_numbers"]
 
-Array = NDArray[np.float64]
 
 TIED = 1.0 + 1e-9
 """Ratio of equal numbers in two units: waves on the limit of a ring fall to the same side."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import rows_around, spans
@@ -52,7 +52,7 @@ def differences(hm: HeightMap) -> dict[str, float]:
     }
 
 
-def _bordered(hm: HeightMap, first: int, last: int) -> NDArray[np.float64]:
+def _bordered(hm: HeightMap, first: int, last: int) -> Array:
     """Rows [first, last) of the map with one more point on every side.
 
     Beyond the border of a map that is not periodic there are missing points.

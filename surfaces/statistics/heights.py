@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
@@ -17,7 +17,6 @@ from surfaces.roughness import Roughness
 
 __all__ = ["height_parameters", "over_present", "some_roughness"]
 
-Array = NDArray[np.float64]
 Result = TypeVar("Result")
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
+from surfaces.arrays import Array, Index, Mask
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.parallel import over_rows
 
@@ -21,7 +21,6 @@ __all__ = [
     "spectrum_of",
 ]
 
-Array = NDArray[np.float64]
 
 _RING = 1.12  # outer over inner wave number of a ring
 _FLOOR = 1e-14  # density over the largest, or the mean, below which a ring holds rounding alone
@@ -144,20 +143,20 @@ class Spectrum:
     '24'
     """
 
-    q: NDArray[np.float64]
-    density: NDArray[np.float64]
-    modes: NDArray[np.float64]
-    qx: NDArray[np.float64]
-    density_x: NDArray[np.float64]
-    qy: NDArray[np.float64]
-    density_y: NDArray[np.float64]
+    q: Array
+    density: Array
+    modes: Array
+    qx: Array
+    density_x: Array
+    qy: Array
+    density_y: Array
     moments: SpectralMoments
     edge: float
     nyquist: float
     window: str
 
     @property
-    def seen(self) -> NDArray[np.bool_]:
+    def seen(self) -> Mask:
         """Rings that hold more than rounding, shape (n,)."""
         white = self.moments.m00 * (np.pi / self.nyquist) ** 2  # were all waves equal
         return np.asarray(self.density > _FLOOR * self.density.max(initial=white))
@@ -251,9 +250,7 @@ def spectrum_of(waves: Density) -> Spectrum:
     )
 
 
-def power_spectrum_2d(
-    hm: HeightMap,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def power_spectrum_2d(hm: HeightMap) -> tuple[Array, Array, Array]:
     """Wave numbers qy (ny,), qx (nx//2 + 1,) [rad/m] and density [m^4], shape (ny, nx//2 + 1).
 
     The half of the spectrum with qx >= 0, in the order of the discrete Fourier transform; see
@@ -280,7 +277,7 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
     """Where the density falls by a thousand within six rings of `width` and stays there."""
     count = max(1, int(nyquist / width))
 
-    def rings(part: slice) -> tuple[Array, NDArray[np.int64]]:
+    def rings(part: slice) -> tuple[Array, Index]:
         qy, qx = wave_numbers(waves, part)
         q = np.hypot(qy[:, None], qx[None, :])
         return q, (q * TIED / width).astype(np.int64)
@@ -307,7 +304,7 @@ def _edge(waves: Density, width: float, nyquist: float) -> float:
     return max(over_rows(largest, waves.values))
 
 
-def _moment_table(qy: Array, qx: Array, power: Array, signed: NDArray[np.bool_]) -> Array:
+def _moment_table(qy: Array, qx: Array, power: Array, signed: Mask) -> Array:
     """Sums of powers 0, 1, 2, 4 of the wave numbers along y and x over the variances of modes; the
     odd power along y of rows that are `signed`, as others hold both signs."""
     columns = np.stack([np.ones_like(qx), qx, qx**2, qx**4], axis=1)
@@ -315,7 +312,7 @@ def _moment_table(qy: Array, qx: Array, power: Array, signed: NDArray[np.bool_])
     return np.asarray(rows @ power @ columns)
 
 
-def _ring_edges(lowest: float, nyquist: float) -> NDArray[np.float64]:
+def _ring_edges(lowest: float, nyquist: float) -> Array:
     """Limits of rings, 12 % wide but at least one fundamental wave number."""
     edges = [0.5 * lowest]
     while edges[-1] < nyquist:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array
 from surfaces.errors import SurfaceError, require_kind
 
 from .spectrum import Spectrum
@@ -65,8 +65,8 @@ class SpectrumFit:
     cutoff_kind: str
     level: float
     scatter: float
-    q: NDArray[np.float64]
-    density: NDArray[np.float64]
+    q: Array
+    density: Array
 
     @property
     def self_affine(self) -> bool:
@@ -159,26 +159,19 @@ def fit_spectrum(spectrum: Spectrum) -> SpectrumFit:
     return _described(fit, parts, q, density, spectrum, sharp)
 
 
-def _model(
-    parameters: NDArray[np.float64], x: NDArray[np.float64], parts: tuple[bool, bool]
-) -> NDArray[np.float64]:
+def _model(parameters: Array, x: Array, parts: tuple[bool, bool]) -> Array:
     """ln C: level at x = 0, the last, and slope of the power law, breaks and the third slope."""
     low = parameters[2] if parts[0] else -np.inf
     high, last = parameters[-2:] if parts[1] else (np.inf, 0.0)
     return np.asarray(_shapes(x, low, high) @ [*parameters[:2], last])
 
 
-def _shapes(x: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
+def _shapes(x: Array, low: float, high: float) -> Array:
     """What level, slope and third slope are the factors of, for breaks that may be infinite."""
     return np.stack([np.ones_like(x), np.clip(x, low, high), np.maximum(x - high, 0.0)], axis=1)
 
 
-def _refined(
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    root: NDArray[np.float64],
-    parts: tuple[bool, bool],
-) -> OptimizeResult:
+def _refined(x: Array, y: Array, root: Array, parts: tuple[bool, bool]) -> OptimizeResult:
     """Best breaks among the rings, then between them, by least squares."""
     from scipy.optimize import least_squares
 
@@ -202,8 +195,8 @@ def _refined(
 def _described(
     fit: OptimizeResult,
     parts: tuple[bool, bool],
-    q: NDArray[np.float64],
-    density: NDArray[np.float64],
+    q: Array,
+    density: Array,
     spectrum: Spectrum,
     sharp: bool,
 ) -> SpectrumFit:

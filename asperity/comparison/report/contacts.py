@@ -10,6 +10,7 @@ from bokeh.palettes import Plasma256
 from numpy.typing import NDArray
 
 from asperity.comparison.record import ComparisonRecord
+from surfaces.arrays import Mask
 from surfaces.drawing import prefixed_unit
 from surfaces.page.fields import Layer, map_figure, reduced, reduction, touched
 from surfaces.page.figures import Figure
@@ -104,9 +105,7 @@ def contacts_figure(
     return Figure(map_figure([layer], size, along=along), "Contact", note, keys)
 
 
-def size_figure(
-    named: Sequence[tuple[str, str, NDArray[np.bool_], ComparisonRecord]],
-) -> Figure | None:
+def size_figure(named: Sequence[tuple[str, str, Mask, ComparisonRecord]]) -> Figure | None:
     """Contacts at least as large as an area, of contact maps with their names and colors."""
     found = []
     for name, color, mask, comparison in named:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.results.curve import ContactCurve
+from surfaces.arrays import Array
 from surfaces.drawing import prefixed_unit
 from surfaces.page.figures import Figure
 from surfaces.page.lines import Line, line_figure
@@ -73,7 +74,7 @@ def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
     return found
 
 
-def stated_area_error(curve: ContactCurve) -> NDArray[np.float64]:
+def stated_area_error(curve: ContactCurve) -> Array:
     """Error of the area that a curve states, NaN where it states none."""
     stated = curve.extra.get("area_error_estimate", np.full(len(curve), np.nan))
     return np.asarray(stated, dtype=np.float64)
@@ -151,7 +152,7 @@ def _drawn(samples: Sequence[Sample]) -> list[tuple[ContactCurve, dict[str, Any]
     return found
 
 
-def typical(values: NDArray[np.float64]) -> float:
+def typical(values: Array) -> float:
     """Geometric mean of the magnitudes, by which a unit is chosen."""
     sizes = np.abs(values[np.isfinite(values) & (values != 0.0)])
     return float(np.exp(np.mean(np.log(sizes)))) if sizes.size else 1.0

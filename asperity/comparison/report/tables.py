@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from asperity.comparison.record import ComparisonRecord
 from asperity.errors import AsperityError
 from asperity.results.curve import ContactCurve
+from surfaces.arrays import Array
 from surfaces.drawing import prefixed_unit, with_unit
 
 from .curves import stated_area_error, typical
@@ -185,7 +186,7 @@ def _of_columns(*columns: tuple[str, list[str]]) -> Table:
     return [name for name, _ in columns], [list(row) for row in rows]
 
 
-def _stated(comparison: ComparisonRecord) -> list[tuple[str, str, NDArray[np.float64]]]:
+def _stated(comparison: ComparisonRecord) -> list[tuple[str, str, Array]]:
     model = comparison.model
     return [
         ("Load at equal separation", "load_error", model.error_estimate),

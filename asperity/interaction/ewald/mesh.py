@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.special import gamma, gammainc, gammaincc
 
 from asperity.halfspace.footprint import Footprints
+from surfaces.arrays import Array
 from surfaces.numerics.parallel import threads
 
 from . import _mesh_kernels
@@ -119,16 +120,16 @@ class SmoothField:
     unit: float
     size: tuple[float, float]
     wrap: bool
-    per_step: NDArray[np.float64]
+    per_step: Array
     scale: float
-    values: NDArray[np.float64]
+    values: Array
 
     @functools.cached_property
     def lowest(self) -> float:
         """Least displacement [m] at the nodes, at most zero."""
         return float(self.scale * min(0.0, float(self.values.min())))
 
-    def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def potential(self, y: Array, x: Array) -> Array:
         """Displacement [m] at any places [m], shape (n,), without the near part.
 
         Near contacts add to it, so that it is a lower bound, apart from the moments. Beyond the
@@ -178,7 +179,7 @@ def _lengths(*wanted: int) -> tuple[int, int]:
 
 def _periodic_transfer(
     footprints: Footprints, size: tuple[float, float], shape: tuple[int, int]
-) -> NDArray[np.float64]:
+) -> Array:
     """Lambda(q) Q((1-m)/2, q^2/4) over the area of a mesh cell, corrected for the splines; at q = 0
     minus the mean of the near part, so that the sum of both has zero mean over the cell."""
     m = footprints.m
@@ -198,7 +199,7 @@ def _periodic_transfer(
 
 
 @functools.lru_cache(maxsize=16)
-def _smooth_share(m: float) -> NDArray[np.float64]:
+def _smooth_share(m: float) -> Array:
     """Q((1-m)/2, q^2/4) at equispaced q^(1-m), to `HIGHEST_WAVE_NUMBER`, where it has vanished."""
     rising = np.linspace(0.0, HIGHEST_WAVE_NUMBER ** (1 - m), 8193)
     return np.asarray(gammaincc((1 - m) / 2, rising ** (2 / (1 - m)) / 4))
@@ -206,7 +207,7 @@ def _smooth_share(m: float) -> NDArray[np.float64]:
 
 def _free_samples(
     footprints: Footprints, step: tuple[float, float], shape: tuple[int, int]
-) -> NDArray[np.float64]:
+) -> Array:
     """Smooth part of the kernel at the circular distances of a padded mesh."""
     a = footprints.power / 2
     y, x = (np.arange(n // 2 + 1) * h for n, h in zip(shape, step, strict=True))
@@ -219,7 +220,7 @@ def _free_samples(
 
 
 @functools.lru_cache(maxsize=64)
-def _correction(n: int) -> NDArray[np.float64]:
+def _correction(n: int) -> Array:
     """W^2 / (sum over aliases W^2)^2 along one axis, W = sinc^4 (cubic B-spline).
 
     The sum is the Fourier series of the septic B-spline at whole numbers.

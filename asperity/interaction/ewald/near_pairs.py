@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Index
 from surfaces.numerics.parallel import each, threads
 
 from . import _near_kernels
@@ -116,9 +117,7 @@ def _shared_cut(wanted: float, least: float, largest: float) -> float:
     return largest * CUT_RATIO**-rungs
 
 
-def total(
-    parts: NDArray[np.floating], rows: NDArray[np.int64] | None = None
-) -> NDArray[np.floating]:
+def total(parts: NDArray[np.floating], rows: Index | None = None) -> NDArray[np.floating]:
     """Sum of what all chunks have made, in the place of the first; of these `rows` only, if any."""
     here = slice(None) if rows is None else slice(*rows)
     for part in parts[1:]:
@@ -130,18 +129,13 @@ class NearPairs(NamedTuple):
     """Pairs of points i < j within a cut-off: the bounds (n, 2) of those of each i, their columns j
     and their distances by y and x, (2, pairs)."""
 
-    ptr: NDArray[np.int64]
+    ptr: Index
     col: NDArray[np.int32]
     pair: NDArray[np.float32]
 
 
 def near_pairs(
-    y: NDArray[np.float64],
-    x: NDArray[np.float64],
-    start: NDArray[np.int64],
-    cells: tuple[int, int],
-    size: tuple[float, float],
-    wrap: bool,
+    y: Array, x: Array, start: Index, cells: tuple[int, int], size: tuple[float, float], wrap: bool
 ) -> NearPairs:
     """Pairs within the cut-off of points sorted by their cells, in split lengths."""
     n = len(y)
@@ -165,7 +159,7 @@ def near_pairs(
     return NearPairs(ptr, col, pair)
 
 
-def chunks(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
+def chunks(pairs: Index) -> Index:
     """Runs of rows with about equal work, one for each thread, shape (chunks, 2)."""
     count = max(1, min(threads(), int(pairs.sum()) // PAIRS_PER_THREAD))
     work = np.cumsum(pairs + 8)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.footprint import Footprints, pair_table, smooth_part, smooth_polynomials
+from surfaces.arrays import Array
 from surfaces.numerics.parallel import each
 
 from . import _mesh_kernels, _near_kernels, _pair_kernels
@@ -68,11 +69,11 @@ class Field(NamedTuple):
         shape (n,).
     """
 
-    value: NDArray[np.float64]
-    slope: NDArray[np.float64]
-    tilt: NDArray[np.float64]
-    moved: NDArray[np.float64]
-    longer: NDArray[np.float64]
+    value: Array
+    slope: Array
+    tilt: Array
+    moved: Array
+    longer: Array
 
 
 class Interaction:
@@ -130,13 +131,13 @@ class Interaction:
 
     def __init__(
         self,
-        y: NDArray[np.float64],
-        x: NDArray[np.float64],
+        y: Array,
+        x: Array,
         cell: tuple[float, float],
         boundary: str,
         footprints: Footprints,
         *,
-        form: NDArray[np.float64] | None = None,
+        form: Array | None = None,
         widest: float = 0.0,
     ) -> None:
         self.footprints = footprints
@@ -201,10 +202,10 @@ class Interaction:
 
     def field(
         self,
-        force: NDArray[np.float64],
-        variance: NDArray[np.float64],
-        growth: NDArray[np.float64] | None = None,
-        moment: NDArray[np.float64] | None = None,
+        force: Array,
+        variance: Array,
+        growth: Array | None = None,
+        moment: Array | None = None,
     ) -> Field:
         """Displacement by forces [N], shape (n,), spread with their variances per axis [m^2], shape
         (n,).
@@ -267,7 +268,7 @@ class Interaction:
         least = least_cut(len(self.order), self.sides, self.wrap, widest)
         return CUT_OVER_SPLIT_LENGTH * self.eta >= (1 - 1e-9) * least
 
-    def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
+    def moved(self, dy: Array, dx: Array) -> Interaction:
         """The interaction of these pairs with its points moved a little, by `dy` and `dx` [m],
         shape (n,) in its order. Both share their working arrays."""
         other = copy.copy(self)
@@ -283,7 +284,7 @@ class Interaction:
         return other
 
 
-def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.float64]:
+def _inside(place: Array, size: float, wrap: bool) -> Array:
     """Coordinates moved into the cell: by whole periods if it is periodic, else to its border."""
     if not wrap:
         return np.clip(place, 0.0, size)
@@ -294,9 +295,7 @@ def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.f
 
 
 @functools.lru_cache(maxsize=16)
-def _tables(
-    m: float, limit: float
-) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.float32]]:
+def _tables(m: float, limit: float) -> tuple[Array, NDArray[np.float32], NDArray[np.float32]]:
     """Tables of the kernel for the near pairs.
 
     The first column of `pair_table` in double precision, followed by its rise from node to node,

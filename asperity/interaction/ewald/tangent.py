@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surfaces.arrays import Array, Mask
 from surfaces.numerics.parallel import each
 
 from . import _mesh_kernels, _near_kernels
@@ -13,7 +13,6 @@ from .operator import Interaction
 
 __all__ = ["Tangent"]
 
-Array = NDArray[np.float64]
 
 PAIRS_PER_THREAD = 40_000
 """Pairs whose part of a product repays a thread."""
@@ -31,11 +30,7 @@ class Tangent:
     """
 
     def __init__(
-        self,
-        coupling: Interaction,
-        active: NDArray[np.bool_],
-        stiffness: Array,
-        extra: Array | None = None,
+        self, coupling: Interaction, active: Mask, stiffness: Array, extra: Array | None = None
     ) -> None:
         self.coupling = coupling
         n, body = int(np.count_nonzero(active)), coupling.footprints

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.footprint import Footprints
+from surfaces.arrays import Array
 
 from . import _near_kernels
 
@@ -48,8 +49,8 @@ class TwoLevelPreconditioner:
 
     def __init__(
         self,
-        y: NDArray[np.float64],
-        x: NDArray[np.float64],
+        y: Array,
+        x: Array,
         size: tuple[float, float],
         sides: tuple[float, float],
         wrap: bool,
@@ -67,13 +68,11 @@ class TwoLevelPreconditioner:
             self.cell = row * np.int32(self.count) + column
 
     @property
-    def kernel(self) -> NDArray[np.float64]:
+    def kernel(self) -> Array:
         """G_c [m/N], shape (cells, cells)."""
         return _kernel(self.body, self.sides, self.wrap, self.count)
 
-    def inverse(
-        self, cell: NDArray[np.int32], stiffness: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def inverse(self, cell: NDArray[np.int32], stiffness: Array) -> tuple[Array, Array]:
         """E [m/N], shape (cells, cells), and K [N/m], (cells,), of points in these cells."""
         if self.count == 1:
             return np.zeros((1, 1)), np.array([stiffness.sum()])
@@ -85,9 +84,7 @@ class TwoLevelPreconditioner:
 
 
 @lru_cache(maxsize=16)
-def _kernel(
-    body: Footprints, sides: tuple[float, float], wrap: bool, count: int
-) -> NDArray[np.float64]:
+def _kernel(body: Footprints, sides: tuple[float, float], wrap: bool, count: int) -> Array:
     """`TwoLevelPreconditioner.kernel`: on a free half-space that of a cell of twice the size, which
     repeats."""
     lines = count if wrap else 2 * count

@@ -6,10 +6,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.halfspace.footprint import Footprints
 from asperity.parameters import ContactShift
+from surfaces.arrays import Array, Mask
 
 from . import _newton_kernels
 from .laws import Evaluated
@@ -20,11 +20,11 @@ __all__ = ["contact_shifts", "widened"]
 def contact_shifts(
     footprints: Footprints,
     law: Evaluated,
-    approach: NDArray[np.float64],
-    tilt: NDArray[np.float64],
-    radii: NDArray[np.float64],
+    approach: Array,
+    tilt: Array,
+    radii: Array,
     largest: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array, Array]:
     """Gain, shift and moment of each contact.
 
     Parameters
@@ -70,12 +70,12 @@ def contact_shifts(
 def widened(
     footprints: Footprints,
     law: Evaluated,
-    approach: NDArray[np.float64],
-    tilt: NDArray[np.float64],
-    radii: NDArray[np.float64],
-    outgrown: NDArray[np.bool_],
+    approach: Array,
+    tilt: Array,
+    radii: Array,
+    outgrown: Mask,
     fitted: ContactShift,
-) -> NDArray[np.float64]:
+) -> Array:
     """Contact areas [m^2], shape (n,), of shifted contacts under their forces.
 
     The area grows for contacts that have `outgrown` the paraboloid of their summit, shape (n,);

@@ -6,9 +6,9 @@ import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.interaction.ewald.tangent import Tangent
+from surfaces.arrays import Array
 
 from .laws import Evaluated
 from .state import State
@@ -31,8 +31,6 @@ LARGEST_STRAY = 0.15
 and tolerance, up to which the step is taken. Most change it by less than 0.05. Those of crowded
 contacts on ridges (lay of 4:1 to the pixel, 10 % of contact) changed it by 1.4 to 2, and moved the
 flat by 1 to 2 % of the load, where the steps before them had moved it by 0.1 %."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
 from asperity.microcontact import law_kernels
 from asperity.microcontact.law_table import LawTable, LazyTable
+from surfaces.arrays import Array, Index, Mask
 from surfaces.numerics.parallel import blocks, run
 
 __all__ = ["FILLED_SHARE", "LARGEST_STIFFNESS", "LEAST_BATCH", "Evaluated", "Laws"]
@@ -59,12 +59,12 @@ class Evaluated(NamedTuple):
         F dm/dF = v - m [m^2]: the footprint of an increment of the force is wider by it.
     """
 
-    force: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    area: NDArray[np.float64]
-    energy: NDArray[np.float64]
-    moment: NDArray[np.float64]
-    growth: NDArray[np.float64]
+    force: Array
+    stiffness: Array
+    area: Array
+    energy: Array
+    moment: Array
+    growth: Array
 
 
 class Laws:
@@ -96,7 +96,7 @@ class Laws:
     def __len__(self) -> int:
         return len(self.index)
 
-    def rows(self, index: NDArray[np.int64]) -> Laws:
+    def rows(self, index: Index) -> Laws:
         """The laws of the contacts `index` alone; the table is shared."""
         part = object.__new__(Laws)
         part.store, part.index = self.store, self.index[index]
@@ -108,16 +108,16 @@ class Laws:
         return self.store.nodes
 
     @property
-    def usable(self) -> NDArray[np.bool_]:
+    def usable(self) -> Mask:
         """Contacts that can carry load, or whose law is not made yet, shape (n,)."""
         return self.store.usable[self.index]
 
     @property
-    def ready(self) -> NDArray[np.bool_]:
+    def ready(self) -> Mask:
         """Contacts whose law has been made, shape (n,)."""
         return self.store.ready[self.index]
 
-    def __call__(self, approach: NDArray[np.float64]) -> Evaluated:
+    def __call__(self, approach: Array) -> Evaluated:
         """Evaluate the laws, which are made, at the approaches [m], shape (n,); the force is zero
         where an approach is not positive."""
         out, store = Evaluated(*np.empty((6, len(approach)))), self.store
@@ -141,7 +141,7 @@ class Laws:
             np.maximum(out.area, out.force / hardness, out=out.area)
         return out
 
-    def lacking(self, wanted: NDArray[np.float64]) -> NDArray[np.int64]:
+    def lacking(self, wanted: Array) -> Index:
         """Contacts whose laws are to be made next: those that are about to close, with those that
         are nearest to closing; none if no contact about to close lacks its law.
 
@@ -158,17 +158,17 @@ class Laws:
             block = max(lacking + lacking // 8, LEAST_BATCH, int(self.store.ready.sum()) // 40)
         return missing[np.argsort(-wanted[missing], kind="stable")[:block]]
 
-    def foresee(self, rows: NDArray[np.int64] | None) -> None:
+    def foresee(self, rows: Index | None) -> None:
         """Name the contacts `rows` that will need their laws later: these are made with the next
         batch. None: unknown; batches are then larger."""
         self.store.ahead = None if rows is None else self.index[rows]
 
-    def make(self, some: NDArray[np.bool_] | NDArray[np.int64] | None = None) -> None:
+    def make(self, some: Mask | Index | None = None) -> None:
         """Make the laws of `some` of these contacts; of all if None."""
         if not self.store.complete:
             self.store.need(self.index if some is None else self.index[some])
 
-    def filled(self, law: Evaluated) -> NDArray[np.bool_]:
+    def filled(self, law: Evaluated) -> Mask:
         """Whether each contact covers more than `FILLED_SHARE` of its area at reach."""
         return np.asarray(law.area > FILLED_SHARE * self.store.largest.take(self.index))
 
@@ -188,9 +188,9 @@ class _Store:
         self.table, self.tips = law_kernels.empty_columns(n, 0)
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
-        self.ahead: NDArray[np.int64] | None = None
+        self.ahead: Index | None = None
 
-    def need(self, rows: NDArray[np.int64]) -> None:
+    def need(self, rows: Index) -> None:
         """Make those of the `rows` that are missing, and with them those needed later (`ahead`)."""
         rows = rows[~self.ready[rows]]
         if rows.size:
@@ -201,7 +201,7 @@ class _Store:
             for part, nodes in self.nodes.blocks(self.nodes.in_order(rows)):
                 self._add(part, nodes)
 
-    def _add(self, rows: NDArray[np.int64], nodes: LawTable) -> None:
+    def _add(self, rows: Index, nodes: LawTable) -> None:
         names = "reach", "force", "stiffness", "area"
         reach, force, stiffness, area = (np.asarray(getattr(nodes, a), float) for a in names)
         for name, array in zip(names, (reach, force, stiffness, area), strict=True):
@@ -243,12 +243,7 @@ class _Store:
         )
 
 
-def _sound(
-    reach: NDArray[np.float64],
-    force: NDArray[np.float64],
-    stiffness: NDArray[np.float64],
-    cap: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _sound(reach: Array, force: Array, stiffness: Array, cap: Array) -> tuple[Array, Array]:
     """Nodal forces and stiffnesses of elastic laws, changed so that both grow (`Laws`)."""
     from scipy.optimize import isotonic_regression
 
@@ -274,22 +269,18 @@ def _sound(
     return force, stiffness
 
 
-def _shares(steps: int) -> NDArray[np.float64]:
+def _shares(steps: int) -> Array:
     """Approach over reach at the nodes."""
     return np.asarray((np.arange(steps + 1) / steps) ** 2)
 
 
-def _rising(force: NDArray[np.float64], u2: NDArray[np.float64]) -> NDArray[np.float64]:
+def _rising(force: Array, u2: Array) -> Array:
     """Nodal forces at the approaches `u2` over the reach, raised to those of `LEAST_FORCE`: a law
     without a force at first would have an infinite compliance."""
     return np.maximum(force, LEAST_FORCE * force[:, -1:] * u2**2)
 
 
-def _growing(
-    force: NDArray[np.float64],
-    stiffness: NDArray[np.float64],
-    cap: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _growing(force: Array, stiffness: Array, cap: Array) -> tuple[Array, Array]:
     """Nodal forces of laws with a hardness, changed so that they grow, and nodal stiffnesses, kept
     between `LEAST_STIFFNESS` of the largest and `cap`."""
     least = LEAST_STIFFNESS * stiffness.max(axis=1, keepdims=True)

@@ -7,7 +7,8 @@ from collections.abc import Generator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+
+from surfaces.arrays import Array, Index
 
 from .final_step import LINEAR_TOLERANCE, Solution, finished, shared, tangent_of
 from .state import Problem, State
@@ -56,8 +57,6 @@ CLOSER = 0.1
 ROUGH_LINEAR_TOLERANCE = 0.3
 """Relative accuracy of the linear solve above `REFINED_RESIDUAL`; half of it in `Step.refine`."""
 
-Array = NDArray[np.float64]
-
 
 def descent(
     problem: Problem,
@@ -68,7 +67,7 @@ def descent(
     tilt: Array | None = None,
     load: float | None = None,
     compliance: Array | None = None,
-) -> Generator[NDArray[np.int64], None, Solution]:
+) -> Generator[Index, None, Solution]:
     """Minimize the energy of the contacts over non-negative forces.
 
     Yields the contacts whose laws are missing; the caller makes them and goes on. Returns the
@@ -129,7 +128,7 @@ def _newton_steps(
     load: float | None,
     compliance: Array,
     tolerance: float,
-) -> Generator[NDArray[np.int64], None, Solution]:
+) -> Generator[Index, None, Solution]:
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     products, reason, held = 1, "", None

@@ -7,11 +7,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import ROUND, Interaction
 from asperity.parameters import DEFAULTS, ContactShift
+from surfaces.arrays import Array
 
 from .contact_shift import contact_shifts
 from .laws import Laws
@@ -27,7 +27,7 @@ class Problem:
     `fitted`. Footprints are round if `elongation` is None.
     """
 
-    height: NDArray[np.float64]
+    height: Array
     laws: Laws
     coupling: Interaction
     contact_shift: bool = False
@@ -35,7 +35,7 @@ class Problem:
     fitted: ContactShift = DEFAULTS.contact_shift
 
     @functools.cached_property
-    def radii(self) -> NDArray[np.float64]:
+    def radii(self) -> Array:
         """Radii of curvature over those of round contacts, shape (n, 3); zero without contact
         shift."""
         if self.contact_shift and self.elongation is not None:
@@ -82,9 +82,7 @@ class State:
     with it the residual is the gradient of one energy.
     """
 
-    def __init__(
-        self, problem: Problem, approach: NDArray[np.float64], tilt: NDArray[np.float64]
-    ) -> None:
+    def __init__(self, problem: Problem, approach: Array, tilt: Array) -> None:
         laws = problem.laws(approach)
         self.problem, self.laws = problem, laws
         self.approach = np.where(laws.force > 0, approach, 0.0)
@@ -96,7 +94,7 @@ class State:
         )
 
     @property
-    def risen(self) -> NDArray[np.float64]:
+    def risen(self) -> Array:
         """Height [m] that each contact gains by its own shift, less what the shifts of the others
         take from it."""
         return self.gain - self.field.moved
@@ -159,14 +157,14 @@ class State:
         self.relative = error / load if load > 0 else math.inf if error > 0 else 0.0
 
     @property
-    def extra(self) -> NDArray[np.float64]:
+    def extra(self) -> Array:
         """Extra compliance [m/N] of each contact, shape (n,), by the growth of its footprint in the
         field of the others: dv/dF dN/dm with dv/dF = 5/3 (v - m)/F of a Hertz contact. Only its
         positive part is kept, which leaves the tangent matrix positive definite."""
         pull, force = np.maximum(self.growth * self.field.slope, 0.0), self.force
         return np.divide(5 / 3 * pull, force, out=np.zeros(len(force)), where=force > 0)
 
-    def raised(self, change: NDArray[np.float64] | float) -> None:
+    def raised(self, change: Array | float) -> None:
         """Raise the summits by `change` [m]: changes gap, wanted and error."""
         self.gap, self.wanted = self.gap + change, self.wanted + change
         self.error = self.error + change

@@ -10,16 +10,15 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.interaction.ewald.tangent import Tangent
+from surfaces.arrays import Array
 
 from . import _newton_kernels
 from .state import Problem, State
 
 __all__ = ["Solved", "Step", "conjugate_gradients", "corrected_prediction"]
 
-Array = NDArray[np.float64]
 
 OPENED_COMPLIANCE = 1e6
 """Factor on the compliance of contacts that a step has opened: they stay open while their neighbors
@@ -33,18 +32,18 @@ points of many contacts needed a Newton step, which costs twice as much as the r
 class Solved(NamedTuple):
     """Result of `conjugate_gradients`: x, the residual b - A x, c, and the number of products."""
 
-    solution: NDArray[np.float64]
-    residual: NDArray[np.float64]
+    solution: Array
+    residual: Array
     constant: float
     products: int
 
 
 def conjugate_gradients(
     matrix: Tangent,
-    right: NDArray[np.float64],
+    right: Array,
     *,
     tolerance: float,
-    start: NDArray[np.float64] | None = None,
+    start: Array | None = None,
     held: bool = False,
     limit: int = 200,
 ) -> Solved:

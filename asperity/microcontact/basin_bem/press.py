@@ -19,6 +19,7 @@ from asperity.halfspace.influence import compliance, near_influence
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.law_kernels import BLUNT_TIP
 from asperity.microcontact.law_table import LawTable
+from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import mapped
 from surfaces.peaks.peaks import RIM
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["areas_under", "press", "put"]
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 PRESSED_NODES = np.array([0, 1, 2, 4, 6, 9, 13, 23])
 """Nodes of the table at which a basin is pressed, counted from the last node that the expansion
@@ -64,7 +63,7 @@ FEWEST_PRESSED = 3
 """Least number of nodes at which a basin was pressed; with fewer its law is not changed."""
 
 
-def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> Array:
+def press(summits: Summits, rows: Index, depths: Array, material: HalfSpace) -> Array:
     """Press the basins of the summits `rows` alone at the approaches `depths` [m], (n, levels).
 
     Approaches ascend along each row. Returns for each, shape (n, levels, 8): force [N], area [m^2],
@@ -100,7 +99,9 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     return out
 
 
-def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: HalfSpace) -> Array:
+def areas_under(
+    summits: Summits, rows: Index, force: Array, depth: Array, body: HalfSpace
+) -> Array:
     """Areas [m^2] of basins pressed alone by forces [N] under the hardness of a half-space, (n,).
 
     `depth` estimates the approaches [m]. An area is zero where a basin reaches too far, or does not
@@ -121,7 +122,7 @@ def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: 
     return out
 
 
-def _scene(summits: Summits, row: Rows, col: Rows) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def _scene(summits: Summits, row: Index, col: Index) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """Arguments `surface` and `summits` of `press_levels`; `row`, `col` are pixels of summits."""
     hm, peaks = summits.hm, summits.peaks
     surface = (
@@ -171,7 +172,7 @@ def _kernels(m: float) -> NDArray[np.float32]:
     return out
 
 
-def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: HalfSpace) -> None:
+def put(table: LawTable, slots: Index, summits: Summits, rows: Index, material: HalfSpace) -> None:
     """Replace laws beyond their expansions by basins pressed alone, in place.
 
     `table` holds laws by expansion; its rows `slots` belong to the summits `rows`. A row keeps the
@@ -221,7 +222,7 @@ def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
     return int(table.nodes * min(max(ahead, 0.0) / table.reach[slot], 1.0) ** 0.5)
 
 
-def _join(table: LawTable, slots: Rows, nodes: Rows, values: Array) -> None:
+def _join(table: LawTable, slots: Index, nodes: Index, values: Array) -> None:
     """Write the `values` (k, n, 8) of the nodes `nodes` (n,) into the rows `slots` (k,), from the
     first of these nodes on. Beyond the last, rows are scaled to its values.
 

@@ -16,11 +16,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import edge_weights
 from asperity.microcontact.law_table import INTERVALS, LawTable
+from surfaces.arrays import Array, Index
 from surfaces.errors import InputError
 from surfaces.numerics import parallel
 
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["tabulate"]
 
-Array = NDArray[np.float64]
 
 _TURN = 0.4
 _BELOW, _ABOVE = 10, 6
@@ -91,7 +90,7 @@ def _stencils() -> Array:
     return out
 
 
-def _resampling(p: float) -> tuple[Array, Array, NDArray[np.int64], Array]:
+def _resampling(p: float) -> tuple[Array, Array, Index, Array]:
     """Nodes j/K, their powers p, the level below each, and the weights of `resampled`."""
     u = np.arange(1, INTERVALS + 1) / INTERVALS
     i = np.clip(np.searchsorted(LEVELS, u - 1e-9) - 1, 0, LEVELS.size - 2)

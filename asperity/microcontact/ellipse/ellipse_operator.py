@@ -16,9 +16,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import polynomial
-from numpy.typing import NDArray
 from scipy.special import eval_jacobi, factorial, gamma, poch, roots_jacobi
 
+from surfaces.arrays import Array, Index
 from surfaces.numerics.cubics import lagrange
 
 __all__ = [
@@ -35,8 +35,6 @@ __all__ = [
     "product_weights",
 ]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 DEGREE = 6
 """Default degree of the profile polynomials."""

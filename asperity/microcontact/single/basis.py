@@ -17,6 +17,7 @@ from scipy.optimize import bisect
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.transforms import kappa, moments
+from surfaces.arrays import Array, Index
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = [
@@ -31,7 +32,6 @@ __all__ = [
     "synthesis",
 ]
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _SAMPLES = 8192
@@ -131,7 +131,7 @@ class TableBasis:
             raise ModelRangeError("the profile has a sharp tip, no curvature; use another law")
         return self._mean[0, 2] / top**2, self.harmonics[0, 2, 1] / top**2
 
-    def _integrate(self, a: Array, cubics: NDArray[Any], n: NDArray[np.int64]) -> NDArray[Any]:
+    def _integrate(self, a: Array, cubics: NDArray[Any], n: Index) -> NDArray[Any]:
         """Sum over segments and powers of ``c_j a^j int t^(n+1+j) w dt``, shape (k, n.size)."""
         lowest = int(n.min())
         table = self._moments(a, lowest, int(n.max()))

@@ -12,13 +12,13 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.yielding import capped
+from surfaces.arrays import Array
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .indentation import Indentation, profile_flags
 
 __all__ = ["CappedLaw"]
 
-Array = NDArray[np.float64]
 Field = Callable[[Array, Array], Array]
 
 _STEP = 1e-3

@@ -15,6 +15,7 @@ from asperity.errors import Flag
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ray_laws import expected_error
+from surfaces.arrays import Array, Index
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import Basis, PowerBasis, basis_of, radius_at, samples, synthesis
@@ -23,7 +24,6 @@ from .pressure import axisymmetric, history, of_harmonics
 
 __all__ = ["Expansion", "indent"]
 
-Array = NDArray[np.float64]
 
 _ANGLES = 720
 """Angles at which the flags look at a contour."""
@@ -56,7 +56,7 @@ class Expansion:
 
     a: Array
     material: HalfSpace
-    orders: NDArray[np.int64]
+    orders: Index
     approach: Array
     slope: Array
     first: Array

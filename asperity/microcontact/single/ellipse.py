@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ellipse.ellipse_operator import monomials, pressure_operator
+from surfaces.arrays import Array
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 from . import circle
@@ -24,7 +24,6 @@ from .pressure import of_unit_powers
 
 __all__ = ["indent"]
 
-Array = NDArray[np.float64]
 
 _ANGLES = 720
 """Angles at which the flags look at a contour."""

@@ -23,10 +23,10 @@ from asperity.microcontact.ellipse.ellipse_operator import (
     monomials,
     product_weights,
 )
+from surfaces.arrays import Array
 
 __all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "edge_of", "fit_points", "fitted"]
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 DEGREE = 8

@@ -6,10 +6,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.microcontact.ellipse.ellipse_operator import LOG_RATIO
 from asperity.microcontact.hertz import ASPECT_EXPONENT
+from surfaces.arrays import Array
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .ellipse_expansion import ANGLES, Edge, Gap, edge_of, fit_points, fitted
@@ -17,7 +17,6 @@ from .ellipse_series import Expansion, expand
 
 __all__ = ["SHARP_TIP", "Ellipse", "Search", "Solved"]
 
-Array = NDArray[np.float64]
 
 SHARP_TIP = 0.005
 """Misfit of the polynomial over the approach above which a tip is sharp: its ellipse stays about

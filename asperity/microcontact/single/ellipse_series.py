@@ -28,16 +28,15 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import binom
 
 from asperity.microcontact.ellipse.ellipse_operator import between, edge_slopes
+from surfaces.arrays import Array
 
 from .ellipse_expansion import ANGLES, Edge
 
 __all__ = ["Expansion", "expand"]
 
-Array = NDArray[np.float64]
 
 _MODES = 12
 """Fourier modes of which R and R' are exact on the ellipse; the higher ones are local."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.hertz import elliptic_contact
+from surfaces.arrays import Array
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import circle
@@ -15,8 +15,6 @@ from .basis import PowerBasis, basis_of
 from .indentation import Indentation, profile_flags
 
 __all__ = ["indent"]
-
-Array = NDArray[np.float64]
 
 
 def indent(

@@ -8,11 +8,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import Flag, InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
+from surfaces.arrays import Array
 from surfaces.errors import as_choice, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
@@ -22,7 +23,6 @@ from .indentation import Indentation
 
 __all__ = ["indent"]
 
-Array = NDArray[np.float64]
 Solver = Callable[[PowerSumProfile | PolarProfile, HalfSpace, Array], Indentation]
 Measure = Callable[[Array], tuple[Array, Array]]
 

@@ -12,12 +12,12 @@ from scipy.ndimage import minimum_filter
 
 from asperity.errors import INVALID, Flag, InputError
 from asperity.halfspace.material import HalfSpace
+from surfaces.arrays import Array, Mask
 from surfaces.errors import as_numbers
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["Indentation", "contour_flags", "profile_flags"]
 
-Array = NDArray[np.float64]
 
 _RAYS = 96
 """Rays, at most, on which a profile is looked at."""
@@ -87,7 +87,7 @@ class Indentation:
     )
 
     @property
-    def valid(self) -> NDArray[np.bool_]:
+    def valid(self) -> Mask:
         """Where no flag says that the answer is meaningless."""
         return np.asarray((self.flags & np.uint8(INVALID)) == 0)
 
@@ -219,7 +219,7 @@ def _reenters(f: Array, approach: float) -> bool:
     return bool(np.any(outside & (f < approach)))
 
 
-def _first(where: NDArray[np.bool_], r: Array) -> Array:
+def _first(where: Mask, r: Array) -> Array:
     """Smallest radius of each ray at which `where` holds, infinite if nowhere."""
     return np.asarray(np.where(where.any(axis=0), r[np.argmax(where, axis=0)], np.inf))
 

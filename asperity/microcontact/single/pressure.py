@@ -24,12 +24,12 @@ from scipy.special import hyp2f1, roots_jacobi
 
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import kappa
+from surfaces.arrays import Array
 
 from .basis import Basis, PowerBasis
 
 __all__ = ["axisymmetric", "history", "of_harmonics", "of_unit_powers"]
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _POINTS = 64

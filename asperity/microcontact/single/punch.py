@@ -6,17 +6,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
+from surfaces.arrays import Array
 from surfaces.errors import LARGEST_NUMBER, as_numbers, shown
 
 from .basis import corner_rule
 
 __all__ = ["FlatPunch", "flat_punch"]
 
-Array = NDArray[np.float64]
 
 _PANEL = 32
 """Gauss nodes between two corners of a punch."""

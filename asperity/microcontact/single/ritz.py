@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
 from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi
+from surfaces.arrays import Array
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import basis_of, radius_at
@@ -26,7 +26,6 @@ from .indentation import Indentation, contour_flags, profile_flags
 
 __all__ = ["indent"]
 
-Array = NDArray[np.float64]
 
 _RAYS = 180
 """Free rays of a planform."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.microcontact.basin_bem.press import press
 from asperity.microcontact.hertz import curvature_ratios
+from surfaces.arrays import Array, Index
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
 
 __all__ = ["join"]
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 
 def join(
@@ -54,7 +51,7 @@ def join(
 
 def _joining(
     summits: Summits, shares: LoadShares, parameters: Parameters
-) -> tuple[Rows, Array, Array]:
+) -> tuple[Index, Array, Array]:
     """Pairs of summits that join while they carry much of the load, (k, 2); the approaches [m] of
     both as they join, (k, 2); the height [m] down to which their basins count as one, (k,)."""
     bounds = parameters.joined_pairs
@@ -70,7 +67,7 @@ def _joining(
     return pairs, approach, low - bounds.slack * approach.mean(axis=1)
 
 
-def _forms(summits: Summits, rows: Rows, moments: Array, m: float) -> tuple[Array, Array]:
+def _forms(summits: Summits, rows: Index, moments: Array, m: float) -> tuple[Array, Array]:
     """Principal curvatures [1/m] and directions [rad] of all summits; the contacts of the summits
     `rows` have the second moments yy, xx, yx, shape (3, k), of their area.
 

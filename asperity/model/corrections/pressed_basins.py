@@ -6,10 +6,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.microcontact.basin_bem.press import put
+from surfaces.arrays import Index
 from surfaces.peaks.peaks import SUMMIT
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def correct(laws: LawRows) -> None:
     put(laws.table, slots, laws.summits, laws.rows[slots], laws.material)
 
 
-def pressed_slots(laws: LawRows) -> NDArray[np.int64]:
+def pressed_slots(laws: LawRows) -> Index:
     """Rows of the table whose law boundary elements make: joined summits, and contacts whose load
     share exceeds its bound at one of the nodes beyond the expansion."""
     bounds, shares, table = laws.parameters.pressed_basins, laws.shares, laws.table

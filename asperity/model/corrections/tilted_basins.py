@@ -9,12 +9,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.microcontact.basin_bem.press import areas_under
 from asperity.microcontact.capped_table import LEAST_YIELD
 from asperity.microcontact.laws import tabulate
+from surfaces.arrays import Array, Index
 
 if TYPE_CHECKING:
     from asperity.interaction.population import Population, PopulationState
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
 
 __all__ = ["area_under", "correct"]
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 
 def correct(
@@ -68,7 +65,7 @@ def correct(
     closed = closed[beyond]
     shift = _shifts(population, state, closed, punch[beyond])
 
-    def changes(own: Rows, shift: Array) -> Array:
+    def changes(own: Index, shift: Array) -> Array:
         found = _areas(population, summits, state, own, shift, fitted)
         return np.asarray(found - area[own])
 
@@ -89,9 +86,9 @@ def correct(
 
 def _yielding(
     state: PopulationState,
-    own: Rows,
+    own: Index,
     shift: Array,
-    changes: Callable[[Rows, Array], Array],
+    changes: Callable[[Index, Array], Array],
     fitted: TiltedBasins,
 ) -> PopulationState:
     """The state with the areas of the large ones of the contacts `own` corrected.
@@ -108,14 +105,14 @@ def _yielding(
     return _changed(state, own, _rise(missed, (0.0, fitted.confirmed)) * change)
 
 
-def _changed(state: PopulationState, own: Rows, change: Array) -> PopulationState:
+def _changed(state: PopulationState, own: Index, change: Array) -> PopulationState:
     """The state with `change` [m^2] added to the areas of the contacts `own`."""
     listed = state.listed.copy()
     listed[3, own] += change
     return replace(state, listed=listed, contact_area=float(listed[3].sum()))
 
 
-def _shifts(population: Population, state: PopulationState, own: Rows, punch: Array) -> Array:
+def _shifts(population: Population, state: PopulationState, own: Index, punch: Array) -> Array:
     """Shift R |g| of the contacts `own` by the gradient g of the field, over the contact radius a,
     shape (k,).
 
@@ -149,7 +146,7 @@ def _areas(
     population: Population,
     summits: Summits,
     state: PopulationState,
-    own: Rows,
+    own: Index,
     shift: Array,
     fitted: TiltedBasins,
 ) -> Array:
