@@ -22,6 +22,9 @@ _DECIDED_LENGTH = 3.0
 this many times the error of the level: the certificate weights points by their pressure, so that
 points of small pressure have a larger error."""
 
+_NEAR_FULL = 0.1
+"""Error of the level, over the separation, from which full contact is near."""
+
 _LEVEL_PARTS = 8
 """Number of steps in the error of the level; points within one step open or close together, such as
 equivalent points of a lattice."""
@@ -35,11 +38,19 @@ def load_error(problem: ContactProblem, solution: GridSolution) -> float:
     A certificate e is relative to the rms height h, so that the level of the contact may be off by
     e h, and the load by the part e h k with k = -d ln F/ds. For k the larger of two values is
     taken: that of the stiffness of this contact, and F/U (`_past_error`). In full contact of a
-    periodic cell no load changes the separation: the error is that of the prescribed load.
+    periodic cell no load changes the separation: the error is that of the prescribed load, and a
+    prescribed separation leaves the load open.
+
+    Near full contact k grows without limit. F(s) of an elastic cell is convex, since the contact
+    grows, and ends at the load F0 of full contact: F(s - e h) <= F + (F0 - F) min(e h / s, 1).
     """
-    now = solution.stiffness * problem.finest.heights.size / max(solution.reading.total, 1e-300)
-    now = _level_error(solution) * now if math.isfinite(now) else 0.0
-    return max(_past_error(problem, solution), now)
+    if math.isinf(solution.stiffness):
+        level = solution.goal.level is not None
+        return math.inf if level else _past_error(problem, solution)
+    error, mean = _level_error(solution), _mean(problem, solution)
+    now = error * solution.stiffness / max(mean, 1e-300)
+    full, part = _full_contact(problem, solution)
+    return max(_past_error(problem, solution), now, abs(full / mean - 1.0) * part if part else 0.0)
 
 
 def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, float]:
@@ -54,7 +65,8 @@ def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, 
     On a lattice of equal hills, and on single waves, whole rings of points around all contacts are
     equally far from contact, so that the area changes by steps of many pixels: the largest step
     near the solution counts in full. On random maps points open and close one by one: what counts
-    is how many more of the unsure points would open than close.
+    is how many more of the unsure points would open than close. Under the load of full contact all
+    open points close.
     """
     pixels = solution.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
     if pixels == 0.0:
@@ -67,6 +79,9 @@ def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, 
     closes = _by_length(gap[~pressed] - reading.level, far)
     opening, closing = max(opens.max(), opens.sum() - closes.sum()), closes.max()
     leap = float(max(opening / max(pixels - opening, 1.0), closing / pixels))
+    full, part = _full_contact(problem, solution)
+    if part and _mean(problem, solution) >= full:
+        leap = max(leap, problem.finest.heights.size / pixels - 1.0)
     one = 1.0 / pixels
     return max(AREA_OVER_LOAD_ERROR * _past_error(problem, solution), leap) + one, one
 
@@ -93,6 +108,22 @@ def _past_error(problem: ContactProblem, solution: GridSolution) -> float:
     if total == 0.0:
         return 0.0
     return error * total / work if work > 0.0 else math.inf
+
+
+def _full_contact(problem: ContactProblem, solution: GridSolution) -> tuple[float, float]:
+    """Mean of p~ in full contact of an elastic cell, and the part of the way to it, from the
+    separation found to zero, by which the level may be off; zero where that is far or unknown."""
+    separation = -(solution.reading.level + problem.finest.mean_height)
+    error = _level_error(solution)
+    far = problem.boundary != "periodic" or error < _NEAR_FULL * separation
+    if far or not solution.stiffness or math.isinf(problem.full_contact):
+        return math.inf, 0.0
+    return problem.full_contact, min(error / separation, 1.0) if separation > 0.0 else 1.0
+
+
+def _mean(problem: ContactProblem, solution: GridSolution) -> float:
+    """Mean of p~ on the finest grid."""
+    return solution.reading.total / problem.finest.heights.size
 
 
 def _level_error(solution: GridSolution) -> float:

@@ -92,8 +92,8 @@ class GridSolution:
 
     Attributes
     ----------
-    reading
-        Certificate and sums over the solution.
+    goal, reading
+        What was asked for; certificate and sums over the solution.
     iterations
         Number of conjugate-gradient steps.
     tolerance
@@ -107,6 +107,7 @@ class GridSolution:
         computed.
     """
 
+    goal: Prescribed
     reading: Reading
     iterations: int
     tolerance: float
@@ -173,7 +174,7 @@ class NestedGrid:
             worst = reading.certificate.worst
             unsure = here in (PressureOrigin.PREDICTED, PressureOrigin.PROLONGED)
             if worst <= tolerance and not unsure:
-                return GridSolution(reading, iterations, tolerance, True, "")
+                return GridSolution(goal, reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             self._careful = self._careful or idle >= 2
             best = min(best, worst)
@@ -200,12 +201,12 @@ class NestedGrid:
             )
             points.fill(self.exact.pressure, values)
         if worst * reading.scale <= _ROUNDING * float(np.abs(self.exact.displacement).max()):
-            return GridSolution(reading, iterations, tolerance, True, "")
+            return GridSolution(goal, reading, iterations, tolerance, True, "")
         reason = (
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
         )
-        return GridSolution(reading, iterations, tolerance, False, reason)
+        return GridSolution(goal, reading, iterations, tolerance, False, reason)
 
     def _listed(self, goal: Prescribed, reading: Reading, error: float, first: bool) -> Selection:
         """The candidates."""

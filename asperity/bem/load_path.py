@@ -44,6 +44,9 @@ _START_COST = 2.0
 _AIM = 0.9
 """Error aimed at over the error allowed: the ratio of error and tolerance changes a little."""
 
+_MOST_OVER = 1e2
+"""Largest error over that allowed from which the tolerance is told; infinite ones count as this."""
+
 _LEAST_SHARE = 0.3
 """Least share of the accuracy in area for the certificate, however much of it one pixel takes."""
 
@@ -207,9 +210,9 @@ class LoadPath:
         it. The solution has the errors `load`, and `area` plus `pixel`, the error of one pixel."""
         allowed = max(self._accuracy[1] - pixel, _LEAST_SHARE * self._accuracy[1])
         over = max(load / self._accuracy[0], area / allowed)
-        if not 0.0 < over < math.inf:
+        if not over > 0.0:
             return solution.tolerance
-        tolerance = max(_AIM * solution.tolerance / over, _SMALLEST_TOLERANCE)
+        tolerance = max(_AIM * solution.tolerance / min(over, _MOST_OVER), _SMALLEST_TOLERANCE)
         self._tolerance = min(tolerance, self.problem.tolerance)
         return tolerance
 

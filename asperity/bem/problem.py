@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import scipy.fft
 
 from asperity.errors import InputError
-from asperity.halfspace.influence import influence
+from asperity.halfspace.influence import influence, symbol_quadrant
 from asperity.halfspace.load_points import chosen_boundary
 from asperity.halfspace.material import HalfSpace
 from surfaces.arrays import Array
@@ -82,14 +84,31 @@ class ContactProblem:
         heights = hm.heights if self.unit == 1.0 else hm.heights / self.unit
         self.finest = NestedGrid(heights, exact, material.hardness * self.compliance)
 
+    @functools.cached_property
+    def full_contact(self) -> float:
+        """Mean of p~ at which a periodic cell begins to touch everywhere, with no point at the
+        hardness; infinite if there is none, and on a free half-space."""
+        if self.boundary != "periodic":
+            return math.inf
+        ny, nx = self.hm.shape
+        stiffness = symbol_quadrant((ny, nx), self.hm.spacing, 1.0 - self.finest.exact.m, 1.0)
+        rows = np.minimum(np.arange(ny), ny - np.arange(ny))  # the symbol is even
+        waves = scipy.fft.rfft2(self.finest.heights, workers=thread_count())
+        waves *= stiffness[rows]
+        flat = scipy.fft.irfft2(waves, (ny, nx), workers=thread_count())
+        least, most = float(flat.min()), float(flat.max())
+        return -least if most - least <= self.finest.cap else math.inf
+
     def prescribed(self, kind: str, value: float) -> Prescribed:
         """What is asked for, in units inside: a mean pressure [Pa] or a separation [m]."""
         if kind == "pressure":
             return Prescribed(mean=value * self.compliance)
-        if self.boundary == "periodic" and value <= 0.0 and math.isinf(self.finest.cap):
+        least = 0.0 if math.isinf(self.finest.cap) else -math.inf
+        if self.boundary == "periodic" and (value <= least or value == 0.0):
             raise InputError(
-                f"separation is {value:.4g} m; in a periodic cell it is the mean gap, which "
-                "is positive below full contact; prescribe a pressure instead"
+                f"separation is {value:.4g} m; in a periodic cell it is the mean gap, which is "
+                "positive below full contact and zero under all elastic loads from there on; "
+                "prescribe a pressure instead"
             )
         return Prescribed(level=-value / self.unit - self.finest.mean_height)
 

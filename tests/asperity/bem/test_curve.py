@@ -10,6 +10,7 @@ from asperity import HalfSpace, bem_curve, bem_solve, contact_curve
 from asperity.errors import InputError
 
 BODY = HalfSpace.from_modulus(1.0)
+HARD = HalfSpace.from_modulus(1.0, hardness=1.0)
 
 
 def test_curve_equals_single_solutions_in_the_order_asked():
@@ -66,11 +67,13 @@ def test_prescribed_separations():
     np.testing.assert_allclose(back.mean_pressure, forward.mean_pressure, rtol=1e-3)
 
 
-def test_an_unusable_separation_is_refused_before_the_work():
-    """Nothing is solved for the sake of points that would be lost with the refusal."""
+@pytest.mark.parametrize(("body", "least"), [(BODY, -0.01), (BODY, 0.0), (HARD, 0.0)])
+def test_an_unusable_separation_is_refused_before_the_work(body, least):
+    """Nothing is solved for the sake of points that would be lost with the refusal. At separation
+    zero any load came back, stated as exact, if the body had a hardness."""
     seen = []
     with pytest.raises(InputError, match="it is the mean gap"):
-        bem_curve(rough((30, 40)), BODY, separations=[0.05, -0.01], progress=seen.append)
+        bem_curve(rough((30, 40)), body, separations=[0.05, least], progress=seen.append)
     assert not seen
 
 

@@ -218,6 +218,32 @@ def test_full_contact_is_told_from_nearly_full_contact():
         assert curve.error_estimate[-2:].max() < 1e-6
 
 
+@pytest.mark.parametrize("m", [0.0, 0.5, -0.3])
+def test_the_bound_holds_at_separations_near_full_contact(m):
+    """Where the stiffness grows without limit: the load was 18 and 14 % off at 9 % stated."""
+    heights = 0.01 * np.random.default_rng(3).normal(size=(64, 48))
+    hm, body = HeightMap(heights, (1.0, 1.0), periodic=True), HalfSpace.from_modulus(1.0, m)
+    for separation in hm.rms_height * np.array([1e-3, 1e-4, 1e-6, 1e-9]):
+        exact = bem_solve(hm, body, separation=separation, tolerance=1e-11)
+        for accuracy in (0.1, 0.02):
+            curve = bem_curve(hm, body, separations=[separation], accuracy=accuracy)
+            error, stated = abs(curve.mean_pressure[0] / exact.mean_pressure - 1.0), accuracy
+            assert error <= curve.error_estimate[0] < 1.3 * stated
+            area = abs(curve.contact_area[0] / exact.contact_area - 1.0)
+            assert area <= curve.extra["area_error_estimate"][0]
+
+
+def test_the_area_of_full_contact_is_bounded():
+    """A load above that of full contact, found at a separation, closes the points still open."""
+    x = 2 * np.pi * np.arange(32) / 32
+    wave = HeightMap(0.1 * np.cos(x) + np.zeros((16, 1)), (1.0, 1.0), periodic=True)
+    full = 0.5 * 0.1 * 2 * np.pi / 32
+    for separation in 0.1 * np.geomspace(1e-6, 1e-2, 15):
+        found = bem_solve(wave, BODY, separation=separation, tolerance=1e-2)
+        if found.mean_pressure >= full:
+            assert 1.0 / found.area_fraction - 1.0 <= found.area_error_estimate
+
+
 def _symbol(n: int):
     """Pressure of full contact over the height of each wave, for unit modulus and pixels."""
     q = 2 * np.pi * np.fft.fftfreq(n)
