@@ -16,6 +16,7 @@ from asperity.compilation import compile_ahead
 from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.load_points import (
+    as_pressed,
     checked_loads,
     chosen_boundary,
     expected_area_fraction,
@@ -148,7 +149,7 @@ def bem_curve(
     require_function("checkpoint", checkpoint)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
-    warnings = scene_warnings(hm, material)
+    warnings = scene_warnings(as_pressed(hm, boundary), material)
     warn_once(warnings)
     asked: dict[str, Any] = {
         "input": hm.digest,

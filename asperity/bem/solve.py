@@ -9,7 +9,13 @@ from numpy.typing import ArrayLike
 
 from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
-from asperity.halfspace.load_points import checked_load, expected_area_fraction, require_scene
+from asperity.halfspace.load_points import (
+    as_pressed,
+    checked_load,
+    chosen_boundary,
+    expected_area_fraction,
+    require_scene,
+)
 from asperity.halfspace.material import HalfSpace
 from surfaces.arrays import Array
 from surfaces.errors import as_numbers
@@ -86,7 +92,7 @@ def bem_solve(
     """
     begun = time.perf_counter()
     require_scene(hm, material)
-    warnings = scene_warnings(hm, material)
+    warnings = scene_warnings(as_pressed(hm, chosen_boundary(hm, boundary)), material)
     warn_once(warnings)
     surface, hm = hm, hm.about_mean
     kind, load = checked_load(pressure, separation, material.hardness)

@@ -13,7 +13,6 @@ from typing import Any
 from asperity.compilation import HARD, compile_ahead
 from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported
-from surfaces.arrays import Array
 from surfaces.errors import as_path, as_truth
 from surfaces.files.atomic import make_folder
 
@@ -114,14 +113,14 @@ def sweep(
 
 
 def run(
-    jobs: Sequence[Job], folder: Path, on: Workers, force: bool = False, at: Array | None = None
+    jobs: Sequence[Job], folder: Path, on: Workers, force: bool = False, columns: bool = False
 ) -> Generator[tuple[Job, JobResult]]:
     """Tell of each job as it ends, those that an earlier run finished first; see `run_jobs`."""
     results = Path(os.path.abspath(folder)) / RESULTS
     make_folder(results)
     left = []
     for job in jobs:
-        known = None if force else finished(job, results, at)
+        known = None if force else finished(job, results, columns)
         if known is None:
             left.append(job)
         else:
@@ -133,7 +132,9 @@ def run(
         if any(job.material.hardness < math.inf for job in left):
             parts += HARD
         compile_ahead(*dict.fromkeys(parts))
-        work = functools.partial(run_jobs, folder=results, threads=on.threads, force=force, at=at)
+        work = functools.partial(
+            run_jobs, folder=results, threads=on.threads, force=force, columns=columns
+        )
         with opened(on, len(left)) as pool:
             yield from run_in_batches(left, work, pool)
 

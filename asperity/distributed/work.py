@@ -16,7 +16,6 @@ import surfaces
 from asperity.errors import AsperityError, ContactWarning
 from asperity.results.curve import ContactCurve, at_heaviest
 from asperity.results.storage import ResultFile, read_about, write_results
-from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import set_memory
 from surfaces.numerics.parallel import set_threads
@@ -33,13 +32,13 @@ _one_at_a_time = threading.Lock()
 
 
 def run_jobs(
-    jobs: Sequence[Job], folder: Path, threads: int, force: bool, at: Array | None = None
+    jobs: Sequence[Job], folder: Path, threads: int, force: bool, columns: bool = False
 ) -> list[JobResult]:
     """Run jobs in this process, in turn; what has its results file in the folder already is read
     from there, unless by `force` it is run again.
 
     The number of threads of each job changes the order of some sums, and so the last digits. With
-    pressures [Pa] `at` the result holds the ``values`` of the curve there too.
+    `columns` the result holds the ``values`` of the curve at its load points, too.
     """
     with _one_at_a_time, warnings.catch_warnings():
         warnings.simplefilter("ignore", ContactWarning)  # results hold them
@@ -47,7 +46,7 @@ def run_jobs(
         try:
             loaded = functools.lru_cache(maxsize=1)(_load)  # of the bodies of one surface
             return [
-                (not force and finished(job, folder, at)) or _run(job, folder, at, loaded)
+                (not force and finished(job, folder, columns)) or _run(job, folder, columns, loaded)
                 for job in jobs
             ]
         finally:
@@ -55,7 +54,7 @@ def run_jobs(
             set_memory(None)  # which the loading of a map may have set
 
 
-def finished(job: Job, folder: Path, at: Array | None = None) -> JobResult | None:
+def finished(job: Job, folder: Path, columns: bool = False) -> JobResult | None:
     """What an earlier run found, None if it did not finish the job."""
     path = folder / job.file
     try:
@@ -63,7 +62,7 @@ def finished(job: Job, folder: Path, at: Array | None = None) -> JobResult | Non
         if found.get("job") != job.digest:
             return None
         result: dict[str, Any] = found["outcome"]
-        return result if at is None else result | _values(ContactCurve.from_hdf5(path), at)
+        return result | _values(ContactCurve.from_hdf5(path)) if columns else result
     except AsperityError:
         return None
 
@@ -83,9 +82,7 @@ def failure(error: BaseException) -> JobResult:
     return {"state": "failed", "reason": " ".join(str(error).split()) or type(error).__name__}
 
 
-def _run(
-    job: Job, folder: Path, at: Array | None, load: Callable[[Surface], HeightMap]
-) -> JobResult:
+def _run(job: Job, folder: Path, columns: bool, load: Callable[[Surface], HeightMap]) -> JobResult:
     """Solve one job and write its results file."""
     begun = time.perf_counter()
     settings = {k: v for k, v in job.settings.items() if k not in ("method", "prepare")}
@@ -101,18 +98,15 @@ def _run(
             about={"job": job.digest, "surface": job.surface.name, "outcome": result},
         )
         write_results(folder / job.file, content)
-        return result if at is None else result | _values(curve, at)
+        return result | _values(curve) if columns else result
     except (AsperityError, MemoryError) as error:
         return failure(error)
 
 
-def _values(curve: ContactCurve, at: Array) -> dict[str, Any]:
-    """Columns of a curve at the pressures asked for, NaN where a point did not converge."""
+def _values(curve: ContactCurve) -> dict[str, Any]:
+    """Columns of a curve, NaN where a point did not converge."""
     good = curve.converged
-    read = curve.at(pressure=at[good]) if np.count_nonzero(good) > 1 else curve.select(good)
-    values = {name: np.full(at.shape, np.nan) for name in QUANTITIES}
-    for name, column in values.items():
-        column[good] = getattr(read, name)
+    values = {name: np.where(good, getattr(curve, name), np.nan) for name in QUANTITIES}
     return {"values": values}
 
 

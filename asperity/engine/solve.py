@@ -16,7 +16,7 @@ from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import ContactRun, solve_contacts
 from asperity.errors import InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
-from asperity.halfspace.load_points import Boundary, checked_loads, chosen_boundary
+from asperity.halfspace.load_points import Boundary, as_pressed, checked_loads, chosen_boundary
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.model.plan import make_plan
 from asperity.parameters import DEFAULTS
@@ -155,7 +155,8 @@ def solve(
         scene = _Scene(hm, material, kind, border, judge or bem_curve, solved)
         clock = _Clock(begun)
         choice = scene.choice(values, engine, bool(verify), asked)
-        known = scene_warnings(hm, material) if choice.plan is None else choice.plan.warnings
+        pressed = as_pressed(hm, border)
+        known = scene_warnings(pressed, material) if choice.plan is None else choice.plan.warnings
         warn_once(known)
         clock.stage("choice")
         if choice.plan is not None and choice.engine != "bem":
@@ -317,7 +318,7 @@ class _Scene:
             again = np.unique([first, len(values) // 2])
             direct = replace(self, judge=bem_curve)
             direct.exact(values[again], (ACCURACIES[1], 2.0 * ACCURACIES[1]))
-        return resolution(self.hm, self.solved)
+        return resolution(as_pressed(self.hm, self.boundary), self.solved)
 
 
 def _told(seconds: dict[str, float], least: str = "") -> str:

@@ -49,7 +49,7 @@ def hardness_sweep(
     -------
     tuple of ContactCurve
         One for each hardness, in the order given. Those of `contact_curve`, but the map is
-        segmented, and its elastic laws are made, once.
+        segmented, and its elastic laws are made, once; warnings are those of the softest body.
 
     Raises
     ------

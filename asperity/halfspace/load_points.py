@@ -20,6 +20,7 @@ __all__ = [
     "MOST_LOADS",
     "Boundary",
     "area_over_pressure",
+    "as_pressed",
     "checked_load",
     "checked_loads",
     "chosen_boundary",
@@ -50,6 +51,12 @@ MOST_LOADS = 10_000
 def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
     """The boundary asked for, or the one that the map states."""
     return known_boundary(("periodic" if hm.periodic else "free") if asked is None else asked)
+
+
+def as_pressed(hm: HeightMap, boundary: Boundary) -> HeightMap:
+    """The map, periodic if it is pressed as a periodic cell."""
+    cell = boundary == "periodic"
+    return hm if hm.periodic == cell else hm.replace(periodic=cell)
 
 
 def known_boundary(name: str) -> Boundary:

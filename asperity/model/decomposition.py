@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.halfspace.load_points import as_pressed
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.hertz import axis_ratios
 from surfaces.arrays import Array, Index
@@ -65,6 +66,7 @@ class Decomposition:
     def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Decomposition:
         """Segment the map, locate the summits and prepare their laws."""
         seconds = {"plan": plan.seconds, "segmentation": 0.0, "profiles": 0.0, "laws": 0.0}
+        hm = as_pressed(hm, plan.boundary)
         summits = _summits(hm, plan, seconds)
         shares = LoadShares.of(summits, plan.among) if plan.law == "auto" else None
         if shares is not None and plan.above is not None and not shares.full:
@@ -151,7 +153,7 @@ class Decomposition:
     @property
     def wraps(self) -> bool:
         """Whether the surface continues across the border of the map."""
-        return self.hm.periodic and self.plan.boundary == "periodic"
+        return self.plan.boundary == "periodic"
 
     @property
     def labels(self) -> NDArray[np.int32]:
@@ -275,8 +277,6 @@ def _summits(hm: HeightMap, plan: Plan, seconds: dict[str, float]) -> Summits:
     """Peaks and summits of the map that is solved; adds the times of both to `seconds`."""
     start = time.perf_counter()
     solved = plan.solved(hm)
-    if plan.boundary == "free" and solved.periodic:
-        solved = solved.replace(periodic=False)  # a finite punch is cut at its border
     above = None if plan.above is None else plan.above + hm.roughness.mean
     if above is not None and plan.sub_contact_law is not None:
         # the longer waves may stay far below the highest point of all

@@ -16,6 +16,7 @@ from asperity.errors import InputError, ModelRangeError, SurfaceError
 from asperity.halfspace.checks import hardness_needed, model_warnings, scene_warnings
 from asperity.halfspace.load_points import (
     Boundary,
+    as_pressed,
     checked_loads,
     chosen_boundary,
     expected_area_fraction,
@@ -197,11 +198,10 @@ def make_plan(
     parallel.aside(functools.partial(getattr, hm, "digest"))
     _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
-    doubts = scene_warnings(hm, material)
-    longest = parameters.error_estimate.longest_lay
-    warnings = (*doubts, *model_warnings(hm, longest))
     edge = chosen_boundary(hm, boundary)
-    estimated = lay(hm) < longest and not (edge == "periodic" and seam_warning(hm))
+    cell, longest = as_pressed(hm, edge), parameters.error_estimate.longest_lay
+    warnings = (*scene_warnings(cell, material), *model_warnings(cell, longest))
+    estimated = lay(cell) < longest and not seam_warning(cell)
     hm = hm.without_rounding
     source = "as the map says" if boundary is None else "as asked"
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
@@ -210,8 +210,7 @@ def make_plan(
     coupled = as_truth("interaction", interaction)
     off = "interaction: off, as asked (the classical independent sum)"
     reasons.append("interaction: on" if coupled else off)
-    cell = hm if edge == "periodic" or not hm.periodic else hm.replace(periodic=False)
-    resampled, fine, whys = chosen_grid(cell, material, coupled, scales, parameters)
+    resampled, fine, whys = chosen_grid(as_pressed(hm, edge), material, coupled, scales, parameters)
     solved = hm if resampled is None else resampled.hm
     points = math.prod(solved.shape)
     above, why = None, "segmentation: the whole map, which has few points"

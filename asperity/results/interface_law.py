@@ -31,8 +31,6 @@ _ROWS = 200
 """Rows of a law. Equal steps of the cube root of a pressure that rises exponentially keep the work
 best: straight lines between n rows are off by ``2.25 / n**2`` of it."""
 
-_LEAST_ERROR = 1e-6
-"""Error of a load that is stated to be less, next to nothing."""
 
 _CALCULIX_ROWS = 90
 """Rows for CalculiX, whose node-to-surface contact follows so many."""
@@ -116,44 +114,45 @@ class InterfaceLaw:
         usable = loads[knots_of(columns)]
         if usable.size < 2:
             raise InputError("the curve has fewer than two converged points with load")
-        # the error and the conductance are read off as the stiffness is, in its logarithm
-        told = {"error": np.maximum(curve.error_estimate, _LEAST_ERROR)}
+        heat = np.full(loads.shape, np.nan)
         if conductance is not None:
-            told["conductance"] = as_numbers("conductance", conductance, finite=False)
-            if told["conductance"].shape != loads.shape:
+            heat = as_numbers("conductance", conductance, finite=False)
+            if heat.shape != loads.shape:
                 raise InputError(
-                    f"conductance has shape {told['conductance'].shape}; give one number for each "
-                    f"of the {loads.size} load points"
+                    f"conductance has shape {heat.shape}; give one number for each of the "
+                    f"{loads.size} load points"
                 )
-            if not (np.isnan(told["conductance"]) | (told["conductance"] >= 0.0)).all():
-                raise InputError("a conductance is negative; give none (NaN) where it is unknown")
+            under_load = heat[loads > 0.0]
+            if not (np.isnan(under_load) | ((under_load > 0.0) & (under_load < np.inf))).all():
+                raise InputError(
+                    "a conductance under load is not positive and finite; give none (NaN) where it "
+                    "is unknown"
+                )
         low, high = usable.min(), usable.max()
         pressure = np.linspace(low ** (1 / 3), high ** (1 / 3), _ROWS - 1) ** 3
         point = read_off(columns, {"pressure": pressure})
-        more = {
-            name: read_off({**columns, "stiffness": values}, {"pressure": pressure}).stiffness
-            for name, values in told.items()
-        }
+        # the conductance is read off as the stiffness is, in its logarithm
+        heat = read_off({**columns, "stiffness": heat}, {"pressure": pressure}).stiffness
         first = -np.diff(point.separation[:2])[0] / np.diff(pressure[:2])[0]
         run_in = low / point.stiffness[0] if np.isfinite(point.stiffness[0]) else low * first
         reference = float(point.separation[0] + run_in)
         hardness = float(curve.settings.get("hardness", math.inf))
-        lower = pressure * np.maximum(1.0 - more["error"], 0.0)
-        upper = np.minimum(pressure * (1.0 + more["error"]), hardness)
+        error = np.where(np.isfinite(point.error_estimate), point.error_estimate, np.nan)
+        lower = pressure * np.maximum(1.0 - error, 0.0)
+        upper = np.minimum(pressure * (1.0 + error), hardness)
         if not np.isnan(lower).all():  # the pressure rises: it lies between bounds stated elsewhere
             below, above = np.fmax.accumulate(lower), np.fmin.accumulate(upper[::-1])[::-1]
             lower = np.where(np.isnan(lower), np.fmax(below, 0.0), lower)
             upper = np.where(np.isnan(upper), above, upper)
         lower = np.minimum(_strictly_rising(lower, high), pressure)
         upper = np.maximum(_strictly_rising(np.maximum.accumulate(upper), high), pressure)
-        heat = more.get("conductance", np.full(pressure.size, np.nan))
         return cls(
             overclosure=np.insert(reference - point.separation, 0, 0.0),
             pressure=np.insert(pressure, 0, 0.0),
             lower=np.insert(lower, 0, 0.0),
             upper=np.insert(upper, 0, 0.0),
             stiffness=np.insert(point.stiffness, 0, point.stiffness[0]),
-            conductance=np.insert(heat, 0, 0.0 if "conductance" in more else np.nan),
+            conductance=np.insert(heat, 0, np.nan if conductance is None else 0.0),
             reference=reference,
             hardness=hardness,
         )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import asperity
-from surfaces import PowerLawProfile, self_affine
+from surfaces import PowerLawProfile, crop, self_affine
 
 HARD = asperity.HalfSpace.from_modulus(1e11, hardness=1e9)
 SOLVERS = {
@@ -95,3 +95,22 @@ def test_a_solver_that_fails_leaves_the_next_one_its_voice():
     with pytest.raises(asperity.InputError):
         asperity.bem_solve(smooth(), HARD)
     assert len(told(SOLVERS["bem_solve"], wedge(), HARD)) == 1
+
+
+def test_a_map_is_judged_by_the_boundary_that_it_is_pressed_with():
+    """A window pressed as a cell was not told of its seam, and errors were stated that the load
+    exceeded eightfold; one flagged periodic and pressed free was told of a seam that it lacks."""
+    whole = self_affine((128, 128), (128.0, 128.0), hurst=0.8, rms_slope=0.05, cutoff=8.0, seed=2)
+    window = crop(whole, rows=(0, 64), columns=(0, 64))
+    tilt = 10.0 * whole.rms_height * np.linspace(0.0, 1.0, 64)
+    window = window.replace(heights=window.heights + tilt)
+    body, loads = asperity.HalfSpace.from_modulus(1.0), {"pressures": [3e-5, 1e-4, 1e-3]}
+    for flag in (True, False):
+        asked = {"boundary": "free" if flag else "periodic", **loads}
+        for door in (asperity.contact_curve, asperity.bem_curve, asperity.solve):
+            odd = door(window.replace(periodic=flag), body, **asked)
+            plain = door(window.replace(periodic=not flag), body, **loads)
+            assert odd.settings["warnings"] == plain.settings["warnings"]
+            assert any("seam" in why for why in odd.settings["warnings"]) is not flag
+            for name in ("separation", "contact_area", "error_estimate"):
+                np.testing.assert_array_equal(getattr(odd, name), getattr(plain, name))

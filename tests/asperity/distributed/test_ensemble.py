@@ -230,6 +230,14 @@ def test_equal_pressures_are_one(here, tmp_path):
     assert found.pressures.tolist() == [1e9, 1e8]
 
 
+def test_members_in_full_contact_are_compared(here, tmp_path):
+    """Of two loads there a curve read off refused the heavier, and all members were lost."""
+    loads = {"method": "bem", "pressures": [1e8, 1e9, 8e10, 1.6e11]}
+    found = asperity.ensemble(MAKE, STEEL, loads, folder=tmp_path, seeds=2)
+    np.testing.assert_allclose(found.table["area_fraction"][2:], 1.0, rtol=1e-12)
+    np.testing.assert_allclose(found.table["separation"][2:], 0.0, atol=1e-20)
+
+
 def test_a_scatter_that_nobody_knows_is_told(here, tmp_path):
     """Loads of which no member converges: the mean of nothing warned."""
     found = asperity.ensemble(MAKE, STEEL, {"pressures": [1e13, 2e13]}, folder=tmp_path, seeds=2)

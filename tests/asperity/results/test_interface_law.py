@@ -100,6 +100,25 @@ def test_a_light_point_without_an_error_leaves_the_band_of_the_others(tmp_path, 
     assert (law.lower <= whole.lower).all() and (law.upper >= whole.upper).all()
 
 
+@pytest.mark.parametrize("unknown", [np.inf, np.nan])
+def test_a_heavy_point_without_an_error_opens_the_band_there(curve, unknown):
+    """The errors beside it were told in its place."""
+    error = np.full(len(curve), 0.05)
+    error[2] = unknown
+    law = dataclasses.replace(curve, error_estimate=error).to_interface_law()
+    at, (light, here, heavy) = law.pressure.searchsorted(curve.mean_pressure[2]), (1, 2, 3)
+    assert law.lower[at] < 1.06 * curve.mean_pressure[light] < curve.mean_pressure[here]
+    assert law.upper[at] > 0.94 * curve.mean_pressure[heavy] > curve.mean_pressure[here]
+
+
+@pytest.mark.parametrize("value", [-1.0, 0.0, np.inf])
+def test_a_conductance_under_load_is_positive(curve, value):
+    heat = np.full(len(curve), 2.0)
+    heat[1] = value
+    with pytest.raises(asperity.InputError, match="not positive and finite"):
+        curve.to_interface_law(conductance=heat)
+
+
 def test_hardness_bounds_the_band_and_is_told(tmp_path):
     hard = 1.05e9
     law = made(asperity.HalfSpace(210e9, 0.3, hardness=hard)).to_interface_law()
@@ -265,5 +284,3 @@ def test_a_conductance_that_is_known_in_part_is_written_in_part(tmp_path, curve)
     known = np.isfinite(law.conductance)
     assert 2 < known.sum() < known.size
     np.testing.assert_allclose(back.conductance, law.conductance, rtol=1e-8)
-    with pytest.raises(asperity.InputError, match="negative"):
-        curve.to_interface_law(conductance=-heat)
