@@ -7,7 +7,6 @@ import functools
 import hashlib
 import html
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,7 +41,7 @@ if TYPE_CHECKING:
 __all__ = ["HeightMap", "require_full", "require_map"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False)
 class HeightMap:
     """Heights of a surface on a regular grid of cell-centred pixels.
 
@@ -103,6 +102,11 @@ class HeightMap:
         ny, nx = self.source.shape
         return ny, nx
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Made anew from its fields: read only, and nothing kept that was derived from others."""
+        facts: dict[str, Any] = {n: getattr(self, n) for n in ("periodic", "name", "history")}
+        return functools.partial(HeightMap, **facts), (self.heights, self.spacing)
+
     @property
     def source(self) -> Source:
         """The heights where they are: in memory, or on disk for what can read them in parts."""
@@ -156,8 +160,7 @@ class HeightMap:
 
     @functools.cached_property
     def line_power(self) -> tuple[Array, Array]:
-        """Mean squares [m^2] of the waves along y and x in some lines of the map, see
-        `surfaces.roughness.line_power`."""
+        """Mean squares [m^2] of the waves along y and x in some lines (`roughness.line_power`)."""
         from surfaces.roughness import line_power
 
         return line_power(self.source, self.periodic)
@@ -253,8 +256,7 @@ class HeightMap:
     def cut(self, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
         """The pixels between two rows and two columns, each the first and one past the last."""
         blocks = (
-            (begin - rows[0], part[:, slice(*columns)])
-            for begin, _, part in windows(self.source, *rows)
+            (begin - rows[0], z[:, slice(*columns)]) for begin, _, z in windows(self.source, *rows)
         )
         return self.with_rows(
             blocks,
@@ -307,8 +309,8 @@ class HeightMap:
         >>> hm.plot().get_xlabel()
         'x'
         """
-        about_mean = self.heights - np.nanmean(self.heights)
-        return draw_field(ax, about_mean, self.size, "height", "m", **style)
+        heights = self.heights - np.nanmean(self.heights)
+        return draw_field(ax, heights, self.size, "height", "m", **style)
 
     def _repr_html_(self) -> str:
         """Facts and picture for a notebook."""
@@ -323,9 +325,8 @@ class HeightMap:
     def __repr__(self) -> str:
         label = f" {self.name!r}" if self.name else ""
         grid = "{} x {}, pixel {:.4g} x {:.4g} m".format(*self.shape, *self.spacing)
-        border = "periodic" if self.periodic else "not periodic"
         gaps = f", {self.missing} missing" if self.missing else ""
-        return f"<HeightMap{label} {grid}, {border}{gaps}>"
+        return f"<HeightMap{label} {grid}, {'' if self.periodic else 'not '}periodic{gaps}>"
 
 
 def require_map(hm: object) -> None:

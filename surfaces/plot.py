@@ -198,8 +198,10 @@ def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     """
     require_kind(correlation, Autocorrelation, "surfaces.autocorrelation(hm)")
     stride = thinning(correlation.value.shape)
-    lag_y, lag_x = correlation.lag_y[::stride], correlation.lag_x[::stride]
-    value, (length_y, length_x) = correlation.value[::stride, ::stride], correlation.size
+    # the peak in the middle is drawn
+    rows, columns = (slice(n // 2 % stride, None, stride) for n in correlation.value.shape)
+    lag_y, lag_x = correlation.lag_y[rows], correlation.lag_x[columns]
+    value, (length_y, length_x) = correlation.value[rows, columns], correlation.size
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
     axes = draw_field(
         figure.add_subplot(),

@@ -44,13 +44,18 @@ def _compare(
 ) -> Mapping[str, Any]:
     from asperity.bem.curve import bem_curve
     from asperity.comparison.run import compare
-    from asperity.results.resume import require_continuable
+    from asperity.halfspace.load_points import checked_loads
+    from asperity.results.resume import require_continuable, with_held
     from asperity.results.storage import columns, write_csv, write_results
 
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
     request = output.request_of(hm, material, args, settings)
     if args.resume and Path(args.output).exists():
-        require_continuable(args.output, request)
+        kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
+        held = require_continuable(args.output, request).curves
+        loads = {
+            f"{kind}s": with_held(values, kind, [held[name] for name in held if name == "bem"])
+        }
 
     solve = partial(bem_curve, hm, material, **settings)
     kept = (hm, material, loads, args, "bem", request)

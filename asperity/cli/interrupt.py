@@ -1,4 +1,4 @@
-"""Ctrl-C while code is compiled: the compiler calls back, and loses what is raised there."""
+"""Ctrl-C while code is compiled or objects end: what is raised in such calls is lost."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-CALLED_BACK = {"_raw_object_cache_notify", "_raw_object_cache_getbuffer"}
-"""Functions that the compiler calls from within: an exception does not leave them."""
+CALLED_BACK = {"_raw_object_cache_notify", "_raw_object_cache_getbuffer", "__del__"}
+"""Functions that the compiler and Python call from within: an exception does not leave them."""
 
 _later = threading.Timer(0.0, signal.raise_signal)
 

@@ -79,7 +79,8 @@ def _solve(
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
     count = len(values)
     if args.resume and Path(args.output).exists():
-        values = with_held(values, kind, require_continuable(args.output, request))
+        held = require_continuable(args.output, request).curves
+        values = with_held(values, kind, held.values())
     points: dict[str, Any] = {f"{kind}s": values}
     curve = solve(hm, material, **points, **settings, judge=judge)
     curves = {one.model: one for one in (judge.solved, curve) if one is not None}

@@ -133,14 +133,14 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
                 "distributed.worker.multiprocessing-method": method,
                 "distributed.nanny.pre-spawn-environ": LEAN,
             }
-            with _uninterrupted(), dask.config.set(lean):
+            with _uninterrupted(inherit=method == "spawn"), dask.config.set(lean):
                 where = distributed.LocalCluster(
                     n_workers=count,
                     threads_per_worker=1,
                     dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,  # a heartbeat cut off at the end is an error
                 )
-            stack.enter_context(where)
+                stack.enter_context(where)
         try:
             client = stack.enter_context(distributed.Client(where))
         except (OSError, TypeError, ValueError) as error:
@@ -159,7 +159,7 @@ def _start_method() -> str:
     forkserver.set_forkserver_preload([*IMPORTED])
     os.environ.update(LEAN)
     try:
-        with _uninterrupted():
+        with _uninterrupted(inherit=True):
             forkserver.ensure_running()
     finally:
         for name, value in given.items():
@@ -170,16 +170,22 @@ def _start_method() -> str:
 
 
 @contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Let Ctrl-C not reach the processes that are started here: this one ends them."""
+def _uninterrupted(*, inherit: bool) -> Iterator[None]:
+    """Let Ctrl-C not reach the processes that are started here: this one ends them. Those that
+    `inherit` what this one does with it ignore it, and so does this one meanwhile; otherwise it is
+    raised here when they have started."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    caught: list[int] = []
+    later = signal.SIG_IGN if inherit else lambda number, _: caught.append(number)
+    before = signal.signal(signal.SIGINT, later)
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+    if caught:
+        signal.raise_signal(signal.SIGINT)
 
 
 class _Dask:

@@ -149,6 +149,7 @@ def run_sweep(
 ) -> Sweep:
     """Run jobs that were made before, see `sweep`; what it returns is written to the folder."""
     found: dict[str, JobResult] = {}
+    make_folder(folder)  # before the index is written there, whatever else happens
 
     def index() -> Sweep:
         return Sweep.of_rows(folder, [row_of(job, found.get(job.file)) for job in jobs])

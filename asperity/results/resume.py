@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +51,7 @@ def run_resumably(
     if resume and Path(path).exists():
         before = require_continuable(path, request)
         if chained:
-            values = with_held(values, kind, before)
+            values = with_held(values, kind, before.curves.values())
         curve = before.curves.get(model)
         if curve is not None:
             known = curve.converged.any() and asked in curve.extra
@@ -87,10 +87,9 @@ def run_resumably(
     return done.select(place[:count])
 
 
-def with_held(values: Array, kind: str, before: ResultFile[ContactCurve]) -> Array:
-    """Load points, shape (n,), followed by the others at which curves of a results file
-    converged."""
-    curves, asked = before.curves.values(), f"asked_{kind}"
+def with_held(values: Array, kind: str, curves: Iterable[ContactCurve]) -> Array:
+    """Load points, shape (n,), followed by the others at which curves converged."""
+    asked = f"asked_{kind}"
     held = [each.extra[asked][each.converged] for each in curves if asked in each.extra]
     others = np.unique(np.concatenate([*held, np.empty(0)]))
     known = np.isclose(others[:, None], values, rtol=1e-12, atol=0.0).any(axis=1)

@@ -51,6 +51,11 @@ def naming_damage(
         yield
     except AsperityError:
         raise
+    except (BlockingIOError, PermissionError) as error:
+        why = "no permission"
+        if isinstance(error, BlockingIOError):
+            why = "another program is writing it; wait, or close it there"
+        raise FileFormatError(f"{path}: cannot be read, {why}") from error
     except DAMAGED + also as error:
         raise FileFormatError(f"{path}: {what} ({brief(error)}){hint}") from error
 

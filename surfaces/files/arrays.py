@@ -136,7 +136,13 @@ def read_text(
             stated.setdefault("spacing", [step * metres_per(unit) for step in pixel])
     elif path.suffix.lower() == ".xyz":
         raise FileFormatError(f"{path}: its points x, y, z lie on no even grid")
-    return as_map(heights, path, unit, spacing, stated)
+    hm = as_map(heights, path, unit, spacing, stated)
+    if points is not None and not np.isclose(np.divide(*hm.spacing), np.divide(*pixel), rtol=1e-3):
+        raise FileFormatError(
+            f"{path}: a spacing of {hm.spacing[0]:g} x {hm.spacing[1]:g} m was given as (dy, dx), "
+            f"but its points are {pixel[0]:g} x {pixel[1]:g} apart along y and x"
+        )
+    return hm
 
 
 def write_npz(hm: HeightMap, path: Path) -> None:

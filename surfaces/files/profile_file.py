@@ -13,7 +13,7 @@ from surfaces.errors import FileFormatError, InputError
 from surfaces.heightmap import HeightMap
 from surfaces.polar import PolarProfile
 
-from ._damage import DAMAGED
+from ._damage import naming_damage
 from .formats import read
 
 __all__ = ["read_profile"]
@@ -45,17 +45,17 @@ def read_profile(
 
     name = Path(path).name
     stated = dataset is None and unit is None and spacing is None
-    if stated and Path(path).is_file() and h5py.is_hdf5(path):
+    if stated and Path(path).is_file():
         try:
-            with h5py.File(path, "r") as file:
-                if "heights" not in file:
-                    keys = ("r", "phi", "f", *(["edge"] if "edge" in file else []))
-                    return PolarProfile(*(_column(file, key, name) for key in keys))
+            with naming_damage(Path(name), "cannot be read", "; is it cut off?"):
+                if h5py.is_hdf5(path):
+                    with h5py.File(path, "r") as file:
+                        if "heights" not in file:
+                            keys = ("r", "phi", "f", *(["edge"] if "edge" in file else []))
+                            return PolarProfile(*(_column(file, key, name) for key in keys))
         except InputError as error:
             text = str(error).removeprefix(f"{name}: ")
             raise FileFormatError(f"{name}: {text}") from error
-        except DAMAGED as error:
-            raise FileFormatError(f"{name}: cannot be read ({error}); is it cut off?") from None
     return _highest_peak(read(path, dataset=dataset, unit=unit, spacing=spacing), name)
 
 

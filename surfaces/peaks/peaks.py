@@ -49,7 +49,7 @@ class Peaks:
     height
         Height of the summit pixel [m], shape (n,).
     prominence
-        Height of the summit above its saddle [m], shape (n,), positive.
+        Height of the summit above its saddle [m], shape (n,); not negative.
     saddle
         Height [m] of the highest pass to a higher peak, shape (n,); the lowest height flooded for a
         peak without such a pass.

@@ -19,10 +19,16 @@ from surfaces.numerics import parallel
 from surfaces.numerics.memory import Transform, along_both
 from surfaces.numerics.stored_array import Blocks, Source, blocks_of, windows
 
+from .levelling import level
+
 __all__ = ["FILTERS", "bandpass", "crop", "passed"]
 
 
 FILTERS = ("sharp", "gaussian", "spline")
+
+_LONGEST = 40.0
+"""Longest cut-off of a spline filter over the longer side of a map that is not periodic: the
+condition of its equations grows by the fourth power, to an error of 1e-4 rms heights there."""
 
 
 def bandpass(
@@ -209,10 +215,15 @@ def _spline_share(hm: HeightMap, cutoff: float) -> Callable[[slice], Array]:
 def _free_spline(hm: HeightMap, cutoff: float, shares: Array) -> Array:
     """Long waves of a map that is not periodic and has no missing points, heights [m] (ny, nx).
 
-    Its ends are free (natural conditions), which keep planes: conjugate gradients, preconditioned
-    by the filter of the map mirrored at its border, of which the `shares` are those of
-    `_spline_share` for this `cutoff` [m].
+    Its ends are free (natural conditions), which keep planes: conjugate gradients about the plane,
+    preconditioned by the filter of the map mirrored at its border, of which the `shares` are those
+    of `_spline_share` for this `cutoff` [m]. Beyond `_LONGEST` sides the equations lose the digits.
     """
+    if cutoff > _LONGEST * max(hm.size):
+        raise SurfaceError(
+            f"a spline filter of {cutoff:g} m is more than {_LONGEST:g} times as long as the map; "
+            'level the map (level="plane", --level plane) in its place'
+        )
     y, x = (0.25 / math.sin(math.pi * d / cutoff) ** 2 for d in hm.spacing)
     (slope_y, bend_y), (slope_x, bend_x) = (_squares_of_differences(count) for count in hm.shape)
 
@@ -228,15 +239,14 @@ def _free_spline(hm: HeightMap, cutoff: float, shares: Array) -> Array:
         LinearOperator((hm.heights.size,) * 2, matvec=f, dtype=np.float64)
         for f in (normal, mirrored)
     )
-    mean = float(hm.heights.mean())
-    z = (hm.heights - mean).ravel()
+    z = level(hm).heights.ravel()
     w, status = cg(operator, z, x0=guess @ z, rtol=1e-9, maxiter=3000, M=guess)
     if status != 0:
         raise SurfaceError(
             f"the spline filter of {cutoff:g} m did not converge; take a shorter cut-off or "
             'filter="gaussian" (--filter gaussian)'
         )
-    return np.asarray(w.reshape(hm.shape) + mean)
+    return np.asarray(hm.heights + (w - z).reshape(hm.shape))
 
 
 def _squares_of_differences(count: int) -> tuple[csr_array, csr_array]:

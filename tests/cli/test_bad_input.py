@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import h5py
@@ -13,6 +15,7 @@ import pytest
 from refusals import STEEL, good_map, refusal
 
 import surfaces
+from asperity.cli.interrupt import interruptible
 from asperity.cli.main import main
 
 MODELS = ["curve", "bem", "compare", "plan"]
@@ -235,6 +238,32 @@ sys.exit(done)
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
     )
     assert (done.returncode, done.stderr) == (130, "asperity report: interrupted\n")
+
+
+def test_an_interrupt_that_comes_while_an_object_ends_is_not_lost():
+    """Python prints what `__del__` raises, and goes on."""
+
+    class Ends:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), interruptible():
+            ends = Ends()
+            del ends
+            time.sleep(5.0)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_a_file_that_another_program_writes_is_not_called_damaged(folder):
+    surfaces.write(good_map(), folder / "scan.h5")
+    with h5py.File(folder / "scan.h5", "a"):
+        code = "import sys; from asperity.cli.main import main; sys.exit(main(sys.argv[1:]))"
+        words = [sys.executable, "-c", code, "surface", "info", "scan.h5"]
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "another program is writing it" in done.stderr
 
 
 @pytest.mark.parametrize("option", ["-o", "--csv", "--plot", "--table"])

@@ -12,7 +12,7 @@ from pages import Page
 from vti import read_vti
 
 import surfaces
-from asperity import ContactCurve, HalfSpace, compare
+from asperity import ContactCurve, HalfSpace, compare, read_results
 from asperity.cli.main import COMMANDS, main
 from asperity.comparison.result import Comparison
 
@@ -259,6 +259,15 @@ def test_compare_goes_on_from_the_boundary_elements_it_has(folder, monkeypatch, 
     capsys.readouterr()
     assert main([*arguments, "--tolerance", "1e-5", "--resume", "--force"]) == 2
     assert "tolerance changed" in capsys.readouterr().err
+
+
+def test_compare_keeps_the_load_points_that_its_file_holds(folder):
+    """As the other commands do; those not asked for again were lost."""
+    call = ["compare", "rough.h5", *STEEL, "--pressure"]
+    assert main([*call, "5e7,3e8"]) == 0
+    assert main([*call, "1e8", "--resume", "--force"]) == 0
+    held = read_results("results.h5").curves["bem"]
+    np.testing.assert_allclose(np.sort(held.mean_pressure), [5e7, 1e8, 3e8], rtol=1e-6)
 
 
 def test_compare_prepares_a_raw_scan_and_goes_on_past_a_bad_file(folder, capsys):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+from pickle import dumps, loads
+
 import numpy as np
 import pytest
 
@@ -158,6 +161,22 @@ def test_only_what_nobody_can_change_is_kept_without_a_copy() -> None:
     heights.setflags(write=False)
     assert surfaces.HeightMap(heights, 1.0).heights is heights
     assert surfaces.HeightMap(heights[1:], 1.0).heights.flags.owndata
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda hm: loads(dumps(hm))])
+def test_a_copy_cannot_be_changed_either(copied) -> None:
+    """Heights of one that was pickled could be, under the digest and roughness of the first."""
+    hm = surfaces.self_affine((16, 24), (1.0, 1.0), hurst=0.8, rms_slope=0.1).replace(name="a")
+    other = copied(hm)
+    assert not other.heights.flags.writeable and other.digest == hm.digest
+    assert (other.name, other.history, other.spacing) == (hm.name, hm.history, hm.spacing)
+
+
+def test_a_map_on_disk_is_pickled_with_its_heights(tmp_path) -> None:
+    hm = surfaces.self_affine((16, 24), (1.0, 1.0), hurst=0.8, rms_slope=0.1)
+    surfaces.write(hm, tmp_path / "a.h5")
+    with surfaces.open(tmp_path / "a.h5") as file:
+        assert loads(dumps(file.on_disk())).digest == hm.digest
 
 
 def test_heights_of_another_kind_of_array_are_copied():

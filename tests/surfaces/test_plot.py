@@ -121,6 +121,15 @@ def test_autocorrelation() -> None:
     assert "<svg" in drawn(figure)
 
 
+def test_the_peak_of_a_large_autocorrelation_is_drawn() -> None:
+    """Of every third point it was left out: the largest value was 0.43."""
+    shape = (2600, 2600)
+    noise = np.random.default_rng(0).normal(size=shape)
+    found = surfaces.autocorrelation(surfaces.HeightMap(noise, 1.0, periodic=True))
+    drawn_values = surfaces.plot_autocorrelation(found).axes[0].images[0].get_array()
+    assert max(drawn_values.shape) < 2600 and drawn_values.max() == pytest.approx(1.0)
+
+
 def test_a_correlation_without_its_peak_has_no_prefix() -> None:
     """Every third shift of this map is drawn, and none is zero in both directions."""
     hm = surfaces.HeightMap(np.random.default_rng(1).normal(size=(40, 2450)), 1e-6, periodic=True)

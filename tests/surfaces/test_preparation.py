@@ -59,7 +59,7 @@ def test_filling_is_harmonic(periodic: bool) -> None:
     ratio = (SPACING[1] / SPACING[0]) ** 2
     across = padded[1:-1, 2:] + padded[1:-1, :-2] - 2 * filled.heights
     along = padded[2:, 1:-1] + padded[:-2, 1:-1] - 2 * filled.heights
-    assert np.abs((across + ratio * along)[gap]).max() < 1e-20
+    assert np.abs((across + ratio * along)[gap]).max() < 1e-10 * hm.rms_height
     assert filled.history[-1]["count"] == gap.sum()
 
 
@@ -73,14 +73,14 @@ def test_a_plane_is_filled_exactly() -> None:
     )
 
 
-def test_large_gaps_go_through_the_iterative_solver(monkeypatch: pytest.MonkeyPatch) -> None:
-    hm = smooth()
-    holed = hm.heights.copy()
-    holed[20:40, 30:60] = np.nan
-    direct = surfaces.fill_missing(hm.replace(heights=holed), limit=0.2)
-    monkeypatch.setattr("surfaces.preparation.filling._DIRECT", 10)
-    iterative = surfaces.fill_missing(hm.replace(heights=holed), limit=0.2)
-    np.testing.assert_allclose(iterative.heights, direct.heights, atol=1e-13)
+def test_a_gap_that_holds_scattered_points() -> None:
+    """Factors of its equations fill up: these took 97 s, and larger maps did not end."""
+    hm = surfaces.self_affine((256, 256), (256e-6, 256e-6), hurst=0.8, rms_slope=0.1)
+    holes = np.random.default_rng(1).random(hm.shape) < 0.85
+    filled = surfaces.fill_missing(hm.replace(heights=np.where(holes, np.nan, hm.heights)), limit=1)
+    z = filled.heights
+    left = sum(np.roll(z, step, axis) for step in (1, -1) for axis in (0, 1)) - 4.0 * z
+    assert np.abs(left[holes]).max() < 1e-10 * hm.rms_height
 
 
 def test_the_fill_limit_holds() -> None:

@@ -202,6 +202,7 @@ def test_the_limit_of_memory_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(surfaces.InputError, match="give at least 384 MiB"):
         set_memory(1000)
     try:
+        set_memory(384 << 20)  # the least that the refusal names
         set_memory(400 << 20)
         monkeypatch.setattr(memory, "_resident_bytes", lambda: 400 << 20)
         with pytest.raises(surfaces.SurfaceError, match="raise the limit of memory"):

@@ -14,7 +14,6 @@ from surfaces.files import hdf5
 from surfaces.files.stored_map import StoredMap
 from surfaces.numerics import memory, stored_array
 from surfaces.numerics.stored_array import windows
-from surfaces.preparation import filling
 from surfaces.preparation.levelling import FORMS
 
 SHAPE = 61, 84
@@ -93,13 +92,6 @@ def test_filling_is_that_of_the_whole_map(seed: int, gaps: int, periodic: bool) 
     """Gaps that end within a block, cross many, or go on beyond the border."""
     hm = measured(seed, gaps, periodic)
     whole = surfaces.fill_missing(hm, limit=0.9)
-    is_equal(surfaces.fill_missing(stored(hm), limit=0.9), whole, 1e-13)
-
-
-def test_large_gaps_are_filled_by_gradients(monkeypatch: pytest.MonkeyPatch) -> None:
-    hm = measured(5, 9)
-    whole = surfaces.fill_missing(hm, limit=0.9)
-    monkeypatch.setattr(filling, "_DIRECT", 10)
     is_equal(surfaces.fill_missing(stored(hm), limit=0.9), whole, 1e-11)
 
 

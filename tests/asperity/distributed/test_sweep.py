@@ -266,6 +266,25 @@ def test_bad_arguments_are_refused_in_one_sentence(change, match, tmp_path):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="workers are forked on Linux only")
+def test_an_interrupt_while_workers_start_ends_the_run(monkeypatch):
+    """It was lost, and the run went on to its end."""
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    made = distributed.LocalCluster
+
+    def interrupted(**how):
+        signal.raise_signal(signal.SIGINT)
+        return made(**how)
+
+    monkeypatch.setattr(distributed, "LocalCluster", interrupted)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), opened(Workers(1), 1):
+            pass
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="workers are forked on Linux only")
 @pytest.mark.parametrize("dask", [True, False])
 def test_workers_are_forked_from_a_process_without_threads(dask, monkeypatch):
     """Threads would not be there after the fork, and what they hold would stay locked."""
