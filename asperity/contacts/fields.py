@@ -148,8 +148,12 @@ class _Grid:
         owner = np.append(decomposition.summits.owner, len(state.force))[labels.ravel()]
         pixel = np.flatnonzero(np.append(state.force > 0, False)[owner])
         lost = np.setdiff1d(np.flatnonzero(state.force > 0), owner[pixel])
+        summit = decomposition.summit_pixels(lost, hm)
+        # a contact without a pixel takes that of its summit, from one that has others
+        spare = ~np.isin(pixel, summit)
+        pixel = pixel[spare | (np.bincount(owner[pixel], spare)[owner[pixel]] == 0.0)]
         contact = np.append(owner[pixel], lost)
-        pixel = np.append(pixel, decomposition.summit_pixels(lost, hm))
+        pixel = np.append(pixel, summit)
         order = np.argsort(contact, kind="stable")
         pixel, contact = pixel[order], contact[order]
         closed, first = np.unique(contact, return_index=True)

@@ -16,6 +16,7 @@ from surfaces import (
     fit_profiles,
     segment,
 )
+from surfaces.shapes import polygon, random_section
 
 LAWS = [*SOLVERS]
 TIPS = ["paper", "harmonic", "ellipse", "ritz", "auto"]
@@ -150,3 +151,29 @@ def test_neighbor_of_a_summit_cut_from_a_map(law):
     one = indent(profile, BODY, np.array([0.5, 2.0]) * saddle, law=law)
     assert not one.flags[0] & Flag.SECOND_SUMMIT and one.valid[0]
     assert one.flags[1] & Flag.SECOND_SUMMIT and not one.valid[1]
+
+
+@pytest.mark.parametrize("hardness", [np.inf, 6e7])
+def test_harmonics_larger_than_the_mean_radius_leave_an_area(hardness):
+    """It was negative and, under a hardness, the force was the elastic one: 18 times that of
+    boundary elements at 27 % stated."""
+    body, depth = random_section(1.5, deviation=0.3, seed=2), np.array([0.002, 0.02])
+    material = HalfSpace.from_modulus(1e9, -0.6, hardness=hardness)
+    one = indent(body, material, depth, law="harmonic")
+    assert (one.contact_area > 0.0).all() and not one.valid.any()
+    assert (one.force <= hardness * one.contact_area * (1.0 + 1e-9)).all()
+    best = indent(body, material, depth, law="auto")
+    np.testing.assert_allclose(one.force, best.force, rtol=0.03)
+
+
+def test_contacts_of_a_power_law_are_similar():
+    """The search on a kinked body ended elsewhere at each approach, so that areas over the approach
+    were up to 7 % apart, and under a hardness loads and approaches within reach were refused."""
+    body, depth = polygon(4, 2.0), 0.02 * np.geomspace(0.5, 2.0, 9)
+    soft = HalfSpace.from_modulus(1e9, -0.6)
+    ratios = [float(indent(body, soft, d, law="auto").contact_area) / d for d in depth]
+    np.testing.assert_allclose(ratios, ratios[0], rtol=1e-9)
+    hard = HalfSpace.from_modulus(1e9, -0.6, hardness=6e7)
+    one = indent(polygon(3, 2.0), hard, depth, law="auto")
+    back = indent(polygon(3, 2.0), hard, load=one.force, law="auto")
+    np.testing.assert_allclose(back.approach, depth, rtol=1e-6)

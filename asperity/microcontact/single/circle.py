@@ -83,8 +83,10 @@ class Expansion:
         return np.asarray(self.a[:, None] - (self.a / self.slope)[:, None] * edge)
 
     def resolved_area(self) -> Array:
-        """Area [m^2] to second order."""
-        return np.asarray(np.pi * (self.a**2 + 2 * self.a * self.mean_shift() + self.variance()))
+        """Area [m^2] to second order; that of the circle where it is less than a quarter of it."""
+        circle = np.pi * self.a**2
+        area = circle + np.pi * (2 * self.a * self.mean_shift() + self.variance())
+        return np.asarray(np.where(area > circle / 4, area, circle))
 
     def resolved_boundary(self, phi: Array) -> Array:
         """Contour [m] of the resolved law, shape (k, phi.size): it encloses `resolved_area`.
@@ -92,11 +94,8 @@ class Expansion:
         Written as ``exp(da/a)``, which is the first-order contour to first order, stays positive
         and is closer to the true one (the contour of an ellipse bends the same way).
         """
-        circle = np.pi * self.a**2
-        area = self.resolved_area()
-        area = np.where(area > circle / 4, area, circle)
         grown = np.exp(np.minimum(2 * samples(self.ratios(), _CLOSED), 20.0)).mean(axis=1)
-        scale = np.sqrt(area / (np.pi * grown))
+        scale = np.sqrt(self.resolved_area() / (np.pi * grown))
         deviation = np.minimum(-self.edge(phi) / self.slope[:, None], 10.0)
         return np.asarray(scale[:, None] * np.exp(deviation))
 

@@ -16,7 +16,7 @@ from surfaces.arrays import Array
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 from . import circle
-from .basis import around, basis_of, radius_at
+from .basis import Basis, around, basis_of, radius_at
 from .ellipse_expansion import DEGREE
 from .ellipse_search import SHARP_TIP, Ellipse, Search
 from .indentation import Indentation, profile_flags
@@ -224,21 +224,21 @@ def _state(
 
 
 def _states(
-    profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, start: Array
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, basis: Basis
 ) -> list[_State | None]:
-    """Contacts at several approaches; those of a power law are all similar to the first."""
-    states: list[_State | None] = []
-    first: tuple[float, _State] | None = None
-    for d, a in zip(depth, start, strict=True):
-        if not (np.isfinite(a) and a > 0):
-            states.append(None)
-        elif first is not None and isinstance(profile, PowerLawProfile):
-            states.append(first[1].scaled(float(d) / first[0], profile.k, material.m))
-        else:
-            one = _state(profile, material, float(d), float(a))
-            first = None if one is None else (float(d), one)
-            states.append(one)
-    return states
+    """Contacts at several approaches; those of a power law are all similar to that of the radius
+    one: the search of a kinked body ends elsewhere at each approach."""
+    start = radius_at(basis, depth)
+    touching = np.isfinite(start) & (start > 0)
+    pairs = zip(depth.tolist(), start.tolist(), touching, strict=True)
+    if not (isinstance(profile, PowerLawProfile) and touching.any()):
+        return [_state(profile, material, d, a) if touch else None for d, a, touch in pairs]
+    unit = float(basis.depth(np.ones(1))[0])
+    one = _state(profile, material, unit, 1.0)
+    return [
+        one.scaled(d / unit, profile.k, material.m) if one is not None and touch else None
+        for d, _, touch in pairs
+    ]
 
 
 def indent(
@@ -248,8 +248,7 @@ def indent(
 
     The pressure of a sharp tip, which is no polynomial, is that of the law "harmonic", stretched.
     """
-    start = radius_at(basis_of(profile, material.m), approach)
-    states = _states(profile, material, approach, start)
+    states = _states(profile, material, approach, basis_of(profile, material.m))
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
 
     def rows(told: Callable[[_State], Array], size: int) -> Array:

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = ["join"]
 
+TIED = 1e-6
+"""Relative difference of approaches up to which pairs join together: rounding parts none."""
+
 
 def join(
     summits: Summits, shares: LoadShares, material: HalfSpace, parameters: Parameters
@@ -25,7 +28,7 @@ def join(
     """Join the summits whose contacts grow together while they carry much of the load.
 
     If boundary elements cannot press a joined group, because it reaches too far, the pairs of the
-    group that join last are left apart, and the rest is tried again.
+    group that join last, all those of a lattice, are left apart, and the rest is tried again.
 
     Returns
     -------
@@ -44,7 +47,7 @@ def join(
         far = found[:, 0] == 0.0
         if not far.any():
             return one, *_forms(one, roots, found[:, 4:7].T, material.m)
-        kept = ~far[slot] | (approach.max(axis=1) < depth[slot])
+        kept = ~far[slot] | (approach.max(axis=1) < (1.0 - TIED) * depth[slot])
         pairs, approach, low = pairs[kept], approach[kept], low[kept]
     return summits, summits.curvature, summits.angle
 

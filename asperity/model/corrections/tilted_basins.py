@@ -15,6 +15,7 @@ from asperity.microcontact.basin_bem.press import areas_under
 from asperity.microcontact.capped_table import LEAST_YIELD
 from asperity.microcontact.laws import tabulate
 from surfaces.arrays import Array, Index
+from surfaces.peaks.peaks import SUMMIT
 
 if TYPE_CHECKING:
     from asperity.interaction.population import Population, PopulationState
@@ -58,10 +59,13 @@ def correct(
         if state.contact_area <= (1.0 + fitted.confirmed) * least:
             return state
         elastic = population.table.elastic_at(state.rows[closed], approach[closed])
-        yielded = bool((elastic[0] < 1.0 - LEAST_YIELD).any())
+        capped = elastic[0] < 1.0 - LEAST_YIELD
+        yielded = bool(capped.any())
         punch = elastic[1] if yielded else punch
     flags = population.table.flags_at(state.rows[closed], approach[closed])
     beyond = (flags & np.uint8(Flag.BEYOND_RADIUS)) > 0
+    if yielded:  # elements say little of a flat top that has not yielded
+        beyond &= capped | (summits.kinds[state.rows[closed]] == SUMMIT)
     closed = closed[beyond]
     shift = _shifts(population, state, closed, punch[beyond])
 

@@ -203,6 +203,18 @@ def test_no_spot_bears_more_than_the_hardness(scales):
         assert (mean < 1.0 + 1e-9).all() and (peak < 1.0 + 1e-9).all() and (mean <= peak).all()
 
 
+def test_no_pixel_bears_more_than_the_hardness():
+    """A contact without a pixel took that of its summit beside another, and both added up to twice
+    the hardness."""
+    hm = self_affine((128, 96), (128e-6, 144e-6), hurst=0.8, rms_slope=0.1, rolloff=32e-6, seed=8)
+    body = asperity.HalfSpace.from_modulus(1e9, hardness=2e7)
+    run = solve_contacts(hm, body, make_plan(hm, body, law="paper"))
+    assert run.pressure_map(9).max() <= 2e7 * (1.0 + 1e-9)
+    assert run.spots(9)["peak_pressure"].max() <= 2e7 * (1.0 + 1e-9)
+    total = run.pressure_map(9).mean()
+    assert total == pytest.approx(run.curve.mean_pressure[9], rel=1e-6)
+
+
 def test_fine_waves_part_contacts_into_spots(broad):
     """About as many as boundary elements find, more than the longer waves have contacts."""
     run = run_of(broad)

@@ -178,3 +178,21 @@ def test_a_hardness_leaves_the_doubt_of_steps():
     assert curve.extra["plastic_share"].min() > 0.9
     assert off.max() > 0.2  # the case tells something
     assert (off <= curve.extra["area_error_estimate"]).all()
+
+
+def test_flat_tops_that_have_not_yielded_keep_their_area():
+    """One small contact that had, and all large ones were pressed by elements: areas fell to a
+    quarter, and with the load."""
+    hm = surfaces.self_affine(
+        (96, 96), (96e-6, 96e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6, rolloff=24e-6, seed=6
+    )
+    hm = hm.replace(heights=np.minimum(hm.heights, 1.2 * hm.heights.std()))
+    loads = np.geomspace(2e4, 2e5, 8)
+    soft, elastic = (
+        asperity.contact_curve(
+            hm, asperity.HalfSpace.from_modulus(1e9, hardness=hardness), pressures=loads
+        )
+        for hardness in (2e7, np.inf)
+    )
+    assert (np.diff(soft.contact_area) > 0.0).all()
+    assert (soft.contact_area > 0.9 * elastic.contact_area).all()
