@@ -119,6 +119,8 @@ def contact_curve(
         If the map has missing points or is constant.
     InputError
         If an argument is not usable.
+    ModelRangeError
+        If m is near -1, or the law has no contact for the highest summit.
 
     Notes
     -----
@@ -182,6 +184,8 @@ def solve_loads(
     if decomposition is None:
         plan.require_scene_of(hm.without_rounding, material)
         decomposition = Decomposition.of(hm.without_rounding, material, plan)
+    else:
+        start = time.perf_counter() - sum(decomposition.seconds.values())
     rows: dict[int, _Row] = {}
     points: dict[int, LoadPoint] = {}
 

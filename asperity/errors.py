@@ -52,9 +52,10 @@ class Flag(IntFlag):
     "paper" expects half the force as an error. `CONTOUR_NEGATIVE`: some a(phi) <= 0. `TURNING`: the
     approach is no rising function of the radius here (D' <= 0), there is no solution.
     `NEGATIVE_GAP`: f < 0 inside the contact (a higher neighbor). `RAY_TURNS`: f falls along a ray
-    inside the contact. `SECOND_SUMMIT`: another summit stands inside {f < d}. `BEYOND_RADIUS`: the
-    contact leaves the sampled radius on some ray, or lies within the first. `FILLED`: the contact
-    covers its whole basin.
+    inside the contact. `SECOND_SUMMIT`: another summit stands inside {f < d}. `BEYOND_RADIUS`: of
+    one profile, the contact leaves the sampled radius on some ray, or lies within the first; in a
+    law table, the expansion of the law does not hold there. `FILLED`: the contact covers its whole
+    basin.
     """
 
     CONTOUR_DOUBTFUL = 1

@@ -128,7 +128,7 @@ def timed(points: int, seed: int) -> None:
 
 
 def main() -> None:
-    """Judge or time."""
+    """ReferenceSolver or time."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--points", type=int, nargs="+", default=[1536])
     parser.add_argument("--seeds", type=int, nargs="+", default=[51])

@@ -58,7 +58,7 @@ COLUMNS = {
 }
 """Heading of the table of the pages, and column of the rows."""
 
-Judged = tuple[NDArray[np.float64], NDArray[np.float64]]
+PartMisfit = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def scaled(value: Any, factor: float) -> Any:
@@ -85,7 +85,7 @@ def variants() -> Iterator[tuple[str, float, Parameters]]:
                 yield name, factor, replace(DEFAULTS, **{group.name: other})
 
 
-def row(name: str, factor: float, found: Judged, kept: Judged) -> dict[str, Any]:
+def row(name: str, factor: float, found: PartMisfit, kept: PartMisfit) -> dict[str, Any]:
     """One row of the table: errors `found` beside those of the constants as they are."""
     made: dict[str, Any] = {"constant": name, "factor": factor}
     for kind, values, before in zip(("load", "area"), found, kept, strict=True):

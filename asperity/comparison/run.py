@@ -120,26 +120,28 @@ def compare(
             plan = make_plan(hm.replace(), material, **chosen)
         say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance}")
         if reference is None:
-            judge = bem_curve(hm, material, **loads, tolerance=tolerance, boundary=plan.boundary)
+            reference_curve = bem_curve(
+                hm, material, **loads, tolerance=tolerance, boundary=plan.boundary
+            )
         else:
-            judge = reference()
-            _require_reference(judge, hm, material, plan.boundary, kind, values)
+            reference_curve = reference()
+            _require_reference(reference_curve, hm, material, plan.boundary, kind, values)
         say("microcontact model")
-        pressures = _pressures(judge, kind, values)
+        pressures = _pressures(reference_curve, kind, values)
         run = solve_contacts(hm, material, plan, pressures=pressures)
-        same, good = np.full(len(values), np.nan), judge.converged
+        same, good = np.full(len(values), np.nan), reference_curve.converged
         if good.any():
-            at = solve_contacts(hm, material, plan, separations=judge.separation[good])
+            at = solve_contacts(hm, material, plan, separations=reference_curve.separation[good])
             same[good] = at.curve.mean_pressure
-        table = error_table(run.curve, same, judge, pressures, hm.rms_height)
+        table = error_table(run.curve, same, reference_curve, pressures, hm.rms_height)
         seconds = sum(run.curve.seconds.values())
         rows = [
             ("asperity", *run.curve.settings["grid"], np.nan, seconds, *rms_errors(table)),
-            ("bem", *hm.shape, tolerance, sum(judge.seconds.values()), 0.0, 0.0, 0.0),
+            ("bem", *hm.shape, tolerance, sum(reference_curve.seconds.values()), 0.0, 0.0, 0.0),
         ]
         for grid in coarse_grids(hm.shape):
             say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
-            rows.append(coarse_run(hm, material, grid, plan.boundary, judge, pressures))
+            rows.append(coarse_run(hm, material, grid, plan.boundary, reference_curve, pressures))
         elastic = None
         if material.hardness < np.inf:
             say("microcontact model without hardness")
@@ -148,7 +150,7 @@ def compare(
                 hm, material.elastic, made.plan, pressures=pressures, decomposition=made
             )[0]
         say("contact maps")
-        point = _map_point(judge, run.curve)
+        point = _map_point(reference_curve, run.curve)
         solution = bem_solve(
             hm,
             material,
@@ -173,7 +175,7 @@ def compare(
         say("boundary elements on a refined grid")
         return Comparison(
             model=run.curve,
-            reference=judge,
+            reference=reference_curve,
             table=table,
             pareto=np.array(rows, dtype=PARETO_TYPE),
             overlap=overlap,
@@ -183,7 +185,7 @@ def compare(
             plan=plan.reasons,
             about=_about(hm, material),
             elastic=elastic,
-            resolution=refined_run(hm, material, plan.boundary, judge),
+            resolution=refined_run(hm, material, plan.boundary, reference_curve),
         )
 
 
@@ -204,13 +206,18 @@ def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
 
 
 def _require_reference(
-    judge: ContactCurve, hm: HeightMap, material: HalfSpace, boundary: str, kind: str, values: Array
+    reference_curve: ContactCurve,
+    hm: HeightMap,
+    material: HalfSpace,
+    boundary: str,
+    kind: str,
+    values: Array,
 ) -> None:
     """Refuse what is no curve by boundary elements of this map and body at these load points."""
-    require_curve(judge)
+    require_curve(reference_curve)
     facts = {"model": "bem", "input": hm.digest, "boundary": boundary, **material.facts}
-    require_facts(judge, facts)
-    asked = judge.extra.get(f"asked_{kind}", np.empty(0))
+    require_facts(reference_curve, facts)
+    asked = reference_curve.extra.get(f"asked_{kind}", np.empty(0))
     if asked.shape != values.shape or not np.allclose(asked, values, rtol=1e-9, atol=0.0):
         raise InputError(f"the reference has other load points than the {len(values)} asked for")
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from asperity.results.curve import ContactCurve
     from surfaces.heightmap import HeightMap
 
-__all__ = ["Judged", "corner", "long_waves", "misfit_on_parts"]
+__all__ = ["PartMisfit", "corner", "long_waves", "misfit_on_parts"]
 
 
 FITTED = DEFAULTS.parts
@@ -46,7 +46,7 @@ on that of the threads, so that results do not either."""
 
 
 @dataclass(frozen=True)
-class Judged:
+class PartMisfit:
     """Compares the model with boundary elements, whose error of the area is `error`."""
 
     material: HalfSpace
@@ -57,8 +57,8 @@ class Judged:
         """Differences of the model from boundary elements at n mean pressures [Pa], shape (5, n):
         separation [m]; logarithms of contact area, number of spots and stiffness; last the
         separation of the model [m]. NaN where the model has no answer. `tell` reports progress."""
-        scene = replace(plan, scene=(hm.without_rounding, self.material))
-        model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
+        own_plan = replace(plan, scene=(hm.without_rounding, self.material))
+        model = contact_curve(hm, self.material, pressures=pressures, plan=own_plan)
         true = bem_curve(
             hm,
             self.material,
@@ -75,7 +75,7 @@ class Judged:
 
 
 def misfit_on_parts(
-    judged: Judged,
+    judged: PartMisfit,
     hm: HeightMap,
     plan: Plan,
     model: ContactCurve,
@@ -130,21 +130,21 @@ def misfit_on_parts(
     taken = _first(usable, best, side)
     beside = None
     if otherwise is not None:
-        told = floor * _on_floor(_fewer(taken * shares)) <= FITTED.enough * allowed
-        taken &= told.all(axis=0)
-        untold = np.logical_not(taken.any(axis=0))
-        if 2 * np.count_nonzero(untold) > len(at):
+        sure = floor * _on_floor(_fewer(taken * shares)) <= FITTED.enough * allowed
+        taken &= sure.all(axis=0)
+        unsure = np.logical_not(taken.any(axis=0))
+        if 2 * np.count_nonzero(unsure) > len(at):
             taken[:] = False
-        elif untold.any():
-            beside = functools.partial(otherwise, untold)
+        elif unsure.any():
+            beside = functools.partial(otherwise, unsure)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     order = np.array([lightest, *best[best != lightest]])
     found, here = np.full((*shares.shape, 4), np.nan), _first(taken, order, LEAST_PARTS)
 
     def solve(place: int) -> None:
-        loads, told = here[place], {"long_alone": grid is not None, "tell": place == lightest}
+        loads, options = here[place], {"long_alone": grid is not None, "tell": place == lightest}
         part = _part(hm, place, side)
-        found[place, loads] = _on_part(judged, part, plan, local[place, loads], **told).T
+        found[place, loads] = _on_part(judged, part, plan, local[place, loads], **options).T
         found[place, loads, 0] += whole[0, loads]
 
     some = order[here[order].any(axis=1)]
@@ -159,11 +159,11 @@ def misfit_on_parts(
 
 
 def _on_part(
-    judged: Judged, part: HeightMap, plan: Plan, loads: Array, *, long_alone: bool, tell: bool
+    judged: PartMisfit, part: HeightMap, plan: Plan, loads: Array, *, long_alone: bool, tell: bool
 ) -> Array:
-    """First four rows of `Judged` on a part at mean pressures [Pa], by the plan of the whole map,
-    shape (4, n). With `long_alone` the first row is the misfit of the change of the separation by
-    the finer waves."""
+    """First four rows of `PartMisfit` on a part at mean pressures [Pa], by the plan of the whole
+    map, shape (4, n). With `long_alone` the first row is the misfit of the change of the separation
+    by the finer waves."""
     level, part = part.roughness.mean, part.about_mean
     among = plan.among and plan.among.lowered(level - part.roughness.mean)
     waves = _resampled(part, plan)

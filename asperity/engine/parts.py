@@ -26,7 +26,7 @@ from asperity.trust.verified import (
 from surfaces.arrays import Array, Mask
 from surfaces.checks import copied, random_map
 
-from .part_misfit import Judged, corner, long_waves, misfit_on_parts
+from .part_misfit import PartMisfit, corner, long_waves, misfit_on_parts
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.model.plan import Plan
     from asperity.results.curve import ContactCurve
-    from asperity.trust.verified import Accuracy, Judge, Solved
+    from asperity.trust.verified import Accuracy, ReferenceSolver, Solved
     from surfaces.heightmap import HeightMap
 
 __all__ = ["can_sample", "parts_along", "sampled", "statistically_homogeneous"]
@@ -87,7 +87,7 @@ def sampled(
     run: ContactRun,
     kind: str,
     values: Array,
-    judge: Judge | None,
+    judge: ReferenceSolver | None,
     accuracy: Accuracy,
     progress: Callable[[SolvedLoad], object],
 ) -> ContactCurve:
@@ -118,7 +118,7 @@ def sampled(
     at, scatter = points[nodes], pixel_scatter(hm, model)[points]
     allowed = np.array([[accuracy.load], [accuracy.area]])
     error = FITTED.judge_share * accuracy.area
-    judged = Judged(run.decomposition.material, error, progress)
+    judged = PartMisfit(run.decomposition.material, error, progress)
     among, solved_map = run.decomposition.law_factory.shares, run.decomposition.solved
     # load shares of contacts are those of the whole map, on which the parts get their laws
     lower = solved_map.roughness.mean - hm.roughness.mean

@@ -94,7 +94,7 @@ def solve(
         "auto" anchors the model as far as the accuracy asks for. False leaves boundary elements
         out: the model answers with its a-priori estimate, which is no bound.
     engine
-        "auto" chooses by the forecast; "bem", "anchored" or "sampled" is used if given.
+        "auto" chooses by the forecast; "bem"; "anchored" or "sampled", or "bem" where these fail.
     boundary
         "periodic" or "free"; as the map says if None.
     progress
@@ -109,16 +109,16 @@ def solve(
     ContactCurve
         One row per load point, in the order asked. `error_estimate` and
         `extra["area_error_estimate"]` are bounds on the distance from the exact solution on the
-        grid of the map. `settings["engine"]` names the engine; `verification` holds the reason for
-        it, the anchors, and the uncertainty by the pixels of the map (`resolution_uncertainty`),
-        which comes on top of the bounds.
+        grid of the map. `settings["engine"]` names the engine, "model" if nothing is verified;
+        `verification` holds the reason for it, the anchors, and the uncertainty by the pixels of
+        the map (`resolution_uncertainty`), which comes on top of the bounds.
 
     Raises
     ------
     SurfaceError
         If the map has missing points or is constant.
-    InputError
-        If an argument is not usable.
+    InputError, ModelRangeError
+        If an argument is not usable; if the model has no answer, and is not to be verified.
 
     Notes
     -----
@@ -163,9 +163,10 @@ def solve(
             try:
                 run = solve_contacts(hm, material, choice.plan, **scene.loads(values))
             except ModelRangeError as error:
-                choice = choice._replace(
-                    engine="bem", reason=f"the microcontact model has no answer: {error}"
-                )
+                if not verify:
+                    raise
+                why = f"the microcontact model has no answer: {error}"
+                choice = choice._replace(engine="bem", reason=why)
             clock.stage("model")
         curve = None
         if choice.engine == "model":
@@ -231,7 +232,7 @@ class _Scene:
     solved: SolvedLoads
 
     def loads(self, values: Array) -> dict[str, Any]:
-        """Load points as a keyword argument: `pressures` or `separations`."""
+        """Load points as a keyword argument."""
         return {f"{self.kind}s": values}
 
     def choice(self, values: Array, engine: str, verify: bool, asked: Accuracy) -> _Choice:
@@ -242,14 +243,15 @@ class _Scene:
         if engine == "auto" and verify and len(values) < least:
             return _Choice("bem", f"fewer than {least} load points", None)
         loads = self.loads(values)
-        scene = self.hm, self.material, self.boundary, len(values)
         if engine == "auto" and verify and self.fits:
-            seconds = forecast(*scene)
+            seconds = forecast(self.hm, self.material, self.boundary, len(values))
             if cheapest(seconds) == "bem":
                 return _Choice("bem", _told(seconds, "at least "), None)
         try:
             plan = make_plan(self.hm, self.material, boundary=self.boundary, **loads)
         except ModelRangeError as error:
+            if not verify:
+                raise
             return _Choice("bem", f"the microcontact model has no answer: {error}", None)
         if not verify:
             return _Choice("model", "not to be verified", plan)
@@ -261,11 +263,15 @@ class _Scene:
                 "the accuracy is too high; give 'auto'"
             )
         if not self.fits:
+            if engine == "anchored":
+                raise InputError(
+                    "engine is 'anchored', which does not fit into memory; give 'auto'"
+                )
             why = "boundary elements do not fit into memory"
             return _Choice("sampled" if sampling else "model", why, plan)
         if engine != "auto":
             return _Choice(engine, "as asked", plan)
-        seconds = forecast(*scene, plan)
+        seconds = forecast(self.hm, self.material, self.boundary, len(values), plan)
         if not sampling:
             del seconds["sampled"]
         if not can_anchor(self.hm, plan):
@@ -282,7 +288,6 @@ class _Scene:
     ) -> ContactCurve | None:
         """The curve of the model, corrected and bounded by the chosen engine; None if a few anchors
         cannot suffice."""
-        scene = self.kind, values
 
         def judge(at: Array, share: float) -> ContactCurve:
             return self.exact(at, asked.times(share))
@@ -290,9 +295,9 @@ class _Scene:
         if choice.engine == "anchored" or choice.plan is None:
             if not anchors_suffice(run.curve, asked):
                 return None
-            return verified(self.hm, run.curve, *scene, judge, asked)
+            return verified(self.hm, run.curve, self.kind, values, judge, asked)
         whole = judge if self.fits else None
-        return sampled(self.hm, choice.plan, run, *scene, whole, asked, self.solved)
+        return sampled(self.hm, choice.plan, run, self.kind, values, whole, asked, self.solved)
 
     def exact(self, values: Array, accuracy: tuple[float, float]) -> ContactCurve:
         """Boundary elements on the grid of the map, within errors of load and area."""

@@ -120,17 +120,17 @@ class Population(ContactSystem):
         self.laws.foresee(None)
         last = Continuation(self) if state is None else state.continuation
         if kind == "separation":
-            return self._judged(reached(last, goal, tolerance))
+            return self._unless_crowded(reached(last, goal, tolerance))
         if heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > goal else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
         if goal == 0:
-            return self._judged(solve_at(last, self.highest, tolerance))
+            return self._unless_crowded(solve_at(last, self.highest, tolerance))
         if self.interaction:
-            return self._judged(reached(last, goal, tolerance, loaded=True))
-        return self._judged(independent(last, goal))
+            return self._unless_crowded(reached(last, goal, tolerance, loaded=True))
+        return self._unless_crowded(independent(last, goal))
 
-    def _judged(self, state: PopulationState) -> PopulationState:
+    def _unless_crowded(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area
         if share > LARGEST_AREA_FRACTION:
             reason = (

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.errors import InputError
 from asperity.halfspace.load_points import as_pressed
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.hertz import axis_ratios
@@ -40,7 +41,8 @@ class Decomposition:
     Attributes
     ----------
     hm, material, plan
-        What it was made from.
+        The map as it is pressed, the body, and the plan that was followed: of the whole map where
+        too few summits stand above `Plan.above`.
     summits
         Summits, with the segmentation as `summits.peaks`. Rays are sampled later, when
         `law_factory` makes a law.
@@ -70,7 +72,7 @@ class Decomposition:
         summits = _summits(hm, plan, seconds)
         shares = LoadShares.of(summits, plan.among) if plan.law == "auto" else None
         if shares is not None and plan.above is not None and not shares.full:
-            plan = replace(plan, above=None)  # laws may not depend on the loads that are asked for
+            plan = plan.of_whole_map()  # laws may not depend on the loads that are asked for
             summits = _summits(hm, plan, seconds)
             shares = LoadShares.of(summits, plan.among)
         parameters, curvature, angle = plan.parameters, summits.curvature, summits.angle
@@ -95,11 +97,13 @@ class Decomposition:
 
     def of_whole_map(self) -> Decomposition:
         """The decomposition with all summits of the map, however low."""
-        return Decomposition.of(self.hm, self.material, replace(self.plan, above=None))
+        return Decomposition.of(self.hm, self.material, self.plan.of_whole_map())
 
     def of_hardness(self, material: HalfSpace) -> Decomposition:
         """A decomposition with the hardness of `material`, which shares the summits and the
-        elastic laws of this one."""
+        elastic laws of this one, which was made with a hardness if `material` has one."""
+        if np.isinf(self.material.hardness) and np.isfinite(material.hardness):
+            raise InputError("this decomposition was made without a hardness; make another one")
         seconds = dict.fromkeys(self.seconds, 0.0)
         law = self.plan.sub_contact_law
         if law is not None:

@@ -142,6 +142,11 @@ class Plan:
         plain = replace(self, above=None, resampled=None, sub_contact_law=None, among=None)
         return replace(plain, scene=None)
 
+    def of_whole_map(self) -> Plan:
+        """This plan with all heights of the map segmented."""
+        kept = (why for why in self.reasons if not why.startswith("segmentation"))
+        return replace(self, above=None, reasons=(*kept, "segmentation: the whole map"))
+
     def solved(self, hm: HeightMap) -> HeightMap:
         """The map that is solved for `hm`, the map of the plan."""
         return hm if self.resampled is None else self.resampled.hm
@@ -179,6 +184,8 @@ def make_plan(
         If the map has missing points or is constant, or the memory would not suffice.
     InputError
         If the load points are not usable.
+    ModelRangeError
+        If m is near -1, or all heights are waves of two pixels.
 
     Examples
     --------

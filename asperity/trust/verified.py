@@ -19,7 +19,7 @@ from surfaces.heightmap import HeightMap
 
 __all__ = [
     "Accuracy",
-    "Judge",
+    "ReferenceSolver",
     "Solved",
     "anchored",
     "anchors_suffice",
@@ -36,7 +36,7 @@ __all__ = [
 Solved = dict[int, ContactCurve]
 """Curves of one load point each, by its number."""
 
-Judge = Callable[[Array, float], ContactCurve]
+ReferenceSolver = Callable[[Array, float], ContactCurve]
 """Function of load points and of a share of the accuracy asked for: solves these points by boundary
 elements within that share."""
 
@@ -80,7 +80,7 @@ class Accuracy:
 
 
 def anchored(
-    hm: HeightMap, material: HalfSpace, model: ContactCurve, engine: Callable[..., ContactCurve]
+    hm: HeightMap, material: HalfSpace, model: ContactCurve, solver: Callable[..., ContactCurve]
 ) -> ContactCurve:
     """`verified` with the default accuracy, by boundary elements such as `bem_curve`."""
     ((name, given),) = model.asked.items()
@@ -92,7 +92,7 @@ def anchored(
 
     def judge(at: Array, share: float) -> ContactCurve:
         loads: dict[str, Any] = {f"{kind}s": at}
-        return engine(hm, material, **loads, accuracy=asked.times(share), boundary=boundary)
+        return solver(hm, material, **loads, accuracy=asked.times(share), boundary=boundary)
 
     curve = verified(hm, model.select(first), kind, values, judge, asked).select(place)
     seconds = {**model.seconds, "verification": time.perf_counter() - begun}
@@ -100,7 +100,12 @@ def anchored(
 
 
 def verified(
-    hm: HeightMap, model: ContactCurve, kind: str, values: Array, judge: Judge, accuracy: Accuracy
+    hm: HeightMap,
+    model: ContactCurve,
+    kind: str,
+    values: Array,
+    judge: ReferenceSolver,
+    accuracy: Accuracy,
 ) -> ContactCurve:
     """Anchor a curve of the model, of n load points, until its bounds are within the accuracy.
 
@@ -185,7 +190,7 @@ def pixel_scatter(hm: HeightMap, model: ContactCurve) -> Array:
     return np.asarray(scatter / np.maximum(pixels, 1e-300))
 
 
-def solved_points(judge: Judge, values: Array, new: Index, share: float) -> Solved:
+def solved_points(judge: ReferenceSolver, values: Array, new: Index, share: float) -> Solved:
     """The load points `new`, solved by boundary elements within a share of the accuracy."""
     if not new.size:
         return {}
@@ -217,10 +222,10 @@ def _prior_estimates(model: ContactCurve, points: Index) -> tuple[Array, Array]:
 
 def bounds_at(points: Index, solved: Solved) -> Array:
     """Bounds of load and area of boundary elements at the `points`, shape (2, k)."""
-    return np.array([_judged(solved, points, f"{of}error_estimate") for of in ("", "area_")])
+    return np.array([_column(solved, points, f"{of}error_estimate") for of in ("", "area_")])
 
 
-def _judged(solved: Solved, points: Index, name: str) -> Array:
+def _column(solved: Solved, points: Index, name: str) -> Array:
     """Column `name` of boundary elements at the `points`, shape (k,)."""
     curves = [solved[i] for i in points.tolist()]
     return np.array([float({**vars(one), **one.extra}[name][0]) for one in curves])
@@ -231,17 +236,17 @@ def misfit_at(model: ContactCurve, kind: str, points: Index, solved: Solved) -> 
     area, number of spots and stiffness at equal load; with a hardness also `YIELDED_COLUMNS`."""
 
     def ratio(name: str) -> Array:
-        return log_ratio(getattr(model, name)[points], _judged(solved, points, name))
+        return log_ratio(getattr(model, name)[points], _column(solved, points, name))
 
-    spots = model.contacts[points], _judged(solved, points, "contacts")
+    spots = model.contacts[points], _column(solved, points, "contacts")
     told = {name: model.extra[name] for name in YIELDED_COLUMNS if name in model.extra}
     told = {"stiffness": model.extra["tangent_stiffness"], **told}
     beside = [
         np.subtract(*(np.log(np.maximum(count, 1)) for count in spots)),
-        *(log_ratio(each[points], _judged(solved, points, name)) for name, each in told.items()),
+        *(log_ratio(each[points], _column(solved, points, name)) for name, each in told.items()),
     ]
     if kind == "pressure":
-        apart = model.separation[points] - _judged(solved, points, "separation")
+        apart = model.separation[points] - _column(solved, points, "separation")
         return np.array([_rate(model, points) * apart, ratio("contact_area"), *beside])
     load = ratio("mean_pressure")
     return np.array([load, ratio("contact_area") - _growth(model, points) * load, *beside])

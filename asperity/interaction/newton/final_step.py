@@ -50,7 +50,9 @@ class Solution:
     tilt
         Gradients [-] of the displacement, shape (n, 2), for the prediction of the next point.
     residual
-        sum |r_i| k_i over sum F_i, an upper estimate of the relative error of the load.
+        sum |r_i| k_i over sum F_i, and what the last change of the contact shifts can still change
+        of the load (`State.lag`): an upper estimate of its relative error. Under a load, that
+        before the last step.
     steps, products
         Numbers of Newton steps, and of products with the interaction matrix.
     reason

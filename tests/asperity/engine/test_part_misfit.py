@@ -17,7 +17,7 @@ BODY = asperity.HalfSpace.from_modulus(1.0)
 
 
 class Counted:
-    """In place of `Judged`: one misfit on all parts, and how many loads were solved on each."""
+    """In place of `PartMisfit`: one misfit on all parts, and how many loads were solved on each."""
 
     def __init__(self, misfit=0.0):
         self.solved = []

@@ -113,7 +113,7 @@ def test_the_model_answers_on_a_part_as_on_the_whole(monkeypatch):
         return np.zeros((5, len(pressures)))
 
     areas = run.curve.area_fraction
-    monkeypatch.setattr(parts, "Judged", lambda *_: answered)
+    monkeypatch.setattr(parts, "PartMisfit", lambda *_: answered)
     asked = "pressure", loads, None, Accuracy()
     parts.sampled(hm, plan, run, *asked, progress=lambda _: None)
     assert len(found) >= part_misfit.FITTED.alike
@@ -233,13 +233,13 @@ def test_parts_that_carry_most_of_a_heavy_load_are_solved(monkeypatch):
     """They are pressed harder than the mean, and hold most of the area."""
     hm, solved = hill(0.4), []
     monkeypatch.setattr(parts, "FITTED", replace(parts.FITTED, loads=2))
-    judged = part_misfit.Judged.__call__
+    judged = part_misfit.PartMisfit.__call__
 
     def seen(judge, part, plan, pressures, **told):
         solved.append(pressures[-1])
         return judged(judge, part, plan, pressures, **told)
 
-    monkeypatch.setattr(part_misfit.Judged, "__call__", seen)
+    monkeypatch.setattr(part_misfit.PartMisfit, "__call__", seen)
     loads = default_pressures(hm, BODY, 5)
     asperity.solve(hm, BODY, pressures=loads, engine="sampled")
     assert loads[-1] < max(solved) <= part_misfit.FITTED.heaviest * loads[-1]

@@ -8,6 +8,7 @@ import pytest
 import surfaces
 from asperity import ContactCurve, HalfSpace, InputError, bem_curve, contact_curve, solve
 from asperity.engine.cost import can_anchor, cheapest, forecast
+from asperity.errors import ModelRangeError
 from asperity.halfspace.load_points import default_pressures
 from asperity.model.plan import make_plan
 
@@ -284,3 +285,12 @@ def test_a_hardness_by_either_engine(engine):
     load = np.abs(np.interp(-found.separation, -exact.separation, np.log(loads)) - np.log(loads))
     assert (load <= found.error_estimate + 0.01).all()
     assert (found.extra["plastic_share"] > 0.8).all()
+
+
+def test_what_is_asked_for_is_not_replaced_by_another_engine(monkeypatch):
+    """Boundary elements answered where they were left out, the model where they were asked for."""
+    with pytest.raises(ModelRangeError, match="near -1"):
+        solve(waves(32), HalfSpace.from_modulus(1.0, -0.9985), verify=False)
+    monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
+    with pytest.raises(InputError, match="does not fit into memory"):
+        solve(waves(32), BODY, engine="anchored")
