@@ -49,8 +49,10 @@ def load_error(problem: ContactProblem, solution: GridSolution) -> float:
         return math.inf if level else _past_error(problem, solution)
     error, mean = _level_error(solution), _mean(problem, solution)
     now = error * solution.stiffness / max(mean, 1e-300)
-    full, part = _full_contact(problem, solution)
-    return max(_past_error(problem, solution), now, abs(full / mean - 1.0) * part if part else 0.0)
+    beyond, full = 0.0, _full_contact(problem, solution)
+    if math.isfinite(full):
+        beyond = abs(full / mean - 1.0) * error / max(_separation(problem, solution), error)
+    return max(_past_error(problem, solution), now, beyond)
 
 
 def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, float]:
@@ -79,8 +81,7 @@ def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, 
     closes = _by_length(gap[~pressed] - reading.level, far)
     opening, closing = max(opens.max(), opens.sum() - closes.sum()), closes.max()
     leap = float(max(opening / max(pixels - opening, 1.0), closing / pixels))
-    full, part = _full_contact(problem, solution)
-    if part and _mean(problem, solution) >= full:
+    if _mean(problem, solution) >= _full_contact(problem, solution):
         leap = max(leap, problem.finest.heights.size / pixels - 1.0)
     one = 1.0 / pixels
     return max(AREA_OVER_LOAD_ERROR * _past_error(problem, solution), leap) + one, one
@@ -110,15 +111,15 @@ def _past_error(problem: ContactProblem, solution: GridSolution) -> float:
     return error * total / work if work > 0.0 else math.inf
 
 
-def _full_contact(problem: ContactProblem, solution: GridSolution) -> tuple[float, float]:
-    """Mean of p~ in full contact of an elastic cell, and the part of the way to it, from the
-    separation found to zero, by which the level may be off; zero where that is far or unknown."""
-    separation = -(solution.reading.level + problem.finest.mean_height)
-    error = _level_error(solution)
-    far = problem.boundary != "periodic" or error < _NEAR_FULL * separation
-    if far or not solution.stiffness or math.isinf(problem.full_contact):
-        return math.inf, 0.0
-    return problem.full_contact, min(error / separation, 1.0) if separation > 0.0 else 1.0
+def _full_contact(problem: ContactProblem, solution: GridSolution) -> float:
+    """Mean of p~ in full contact of an elastic cell, infinite where that is far or unknown."""
+    far = _level_error(solution) < _NEAR_FULL * _separation(problem, solution)
+    return math.inf if far or not solution.stiffness else problem.full_contact
+
+
+def _separation(problem: ContactProblem, solution: GridSolution) -> float:
+    """Separation from the mean plane, in units."""
+    return -(solution.reading.level + problem.finest.mean_height)
 
 
 def _mean(problem: ContactProblem, solution: GridSolution) -> float:

@@ -51,11 +51,10 @@ def _compare(
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
     request = output.request_of(hm, material, args, settings)
     if args.resume and Path(args.output).exists():
-        kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
+        kind, values = checked_loads(hm, material, **loads)
         held = require_continuable(args.output, request).curves
-        loads = {
-            f"{kind}s": with_held(values, kind, [held[name] for name in held if name == "bem"])
-        }
+        solved = [curve for curve in held.values() if curve.model == "bem"]
+        loads = {f"{kind}s": with_held(values, kind, solved)}
 
     solve = partial(bem_curve, hm, material, **settings)
     kept = (hm, material, loads, args, "bem", request)

@@ -103,7 +103,7 @@ def solve_and_keep(
     from asperity.halfspace.load_points import checked_loads
     from asperity.results.resume import run_resumably
 
-    kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
+    kind, values = checked_loads(hm, material, **loads)
     with bar(len(values), "load points") as advance:
         return run_resumably(
             lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),

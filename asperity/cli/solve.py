@@ -76,7 +76,7 @@ def _solve(
     settings = settings_of(args)
     request = output.request_of(hm, material, args, settings)
     judge = _Resumable(args, request)
-    kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
+    kind, values = checked_loads(hm, material, **loads)
     count = len(values)
     if args.resume and Path(args.output).exists():
         held = require_continuable(args.output, request).curves

@@ -132,7 +132,7 @@ def ensemble(
     jobs = maker.product(chosen, material, {**first.settings, "pressures": pressures})
     distinct = list({job.file: job for job in jobs}.values())
     rows, curves, widths = list[Any](), list[Any](), list[float]()
-    stream = run(distinct, maker.folder, on, as_truth("force", force), True)
+    stream = run(distinct, maker.folder, on, as_truth("force", force), columns=True)
     with reported(progress, len(distinct), "members") as tell, closing(stream):
         for job, result in _in_order(distinct, stream):
             rows.append(row_of(job, result))

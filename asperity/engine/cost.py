@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["can_anchor", "cheapest", "forecast"]
 
-FITTED = DEFAULTS.run_times
+RUN_TIMES = DEFAULTS.run_times
 
 
 def forecast(
@@ -31,20 +31,20 @@ def forecast(
     -----
     Parts are periodic and elastic, whatever the map is.
     """
-    points, model, parts = math.prod(hm.shape), FITTED.model[0], 0.0
-    fine = 1.0 + (peaks_above(hm, None) / (FITTED.fine * points)) ** 2
-    dearer = fine * (FITTED.free if boundary == "free" else 1.0)
-    dearer *= FITTED.yielded if material.hardness < math.inf else 1.0
+    points, model, parts = math.prod(hm.shape), RUN_TIMES.model[0], 0.0
+    fine = 1.0 + (peaks_above(hm, None) / (RUN_TIMES.fine * points)) ** 2
+    dearer = fine * (RUN_TIMES.free if boundary == "free" else 1.0)
+    dearer *= RUN_TIMES.yielded if material.hardness < math.inf else 1.0
     if plan is not None:
         solved = plan.solved(hm)
         side = parts_along(hm, solved)
-        model += FITTED.model[1] * peaks_above(solved, plan.above)
-        parts = FITTED.parts * side * _curve(points / side**2, DEFAULTS.parts.loads, fine)
-    each = FITTED.bem[2] * dearer * _unit(points)
+        model += RUN_TIMES.model[1] * peaks_above(solved, plan.above)
+        parts = RUN_TIMES.parts * side * _curve(points / side**2, DEFAULTS.parts.loads, fine)
+    each = RUN_TIMES.bem[2] * dearer * _unit(points)
     return {
         "bem": _curve(points, loads, dearer),
-        "anchored": model + FITTED.bem[0] + each * min(FITTED.anchors, loads),
-        "sampled": FITTED.beside + model + parts,
+        "anchored": model + RUN_TIMES.bem[0] + each * min(RUN_TIMES.anchors, loads),
+        "sampled": RUN_TIMES.beside + model + parts,
     }
 
 
@@ -57,14 +57,14 @@ def can_anchor(hm: HeightMap, plan: Plan) -> bool:
 def cheapest(seconds: dict[str, float]) -> str:
     """The engine to choose by the `forecast` of each."""
     name = min(seconds, key=lambda name: seconds[name])
-    return name if seconds[name] < FITTED.worth * seconds["bem"] else "bem"
+    return name if seconds[name] < RUN_TIMES.worth * seconds["bem"] else "bem"
 
 
 def _curve(points: float, loads: int, dearer: float) -> float:
     """Seconds of a curve by boundary elements."""
-    return FITTED.bem[0] + FITTED.bem[1] * dearer * _unit(points) * math.sqrt(loads)
+    return RUN_TIMES.bem[0] + RUN_TIMES.bem[1] * dearer * _unit(points) * math.sqrt(loads)
 
 
 def _unit(points: float) -> float:
     """Number of points of a grid, times the cost of a point over that of a grid of 512 x 512."""
-    return points * float(max(1.0, points / 512**2) ** FITTED.growth)
+    return points * float(max(1.0, points / 512**2) ** RUN_TIMES.growth)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["PartMisfit", "corner", "long_waves", "misfit_on_parts"]
 
 
-FITTED = DEFAULTS.parts
+PARTS = DEFAULTS.parts
 
 SAMPLED_ROWS = 4
 """Every fourth row of a map is taken for the means of its long waves."""
@@ -115,22 +115,22 @@ def misfit_on_parts(
     side, pressure = math.isqrt(len(shares)), model.mean_pressure[at]
     rate = model.stiffness[at] / pressure
     grid, whole = long_waves(hm, plan, side), np.zeros((5, len(at)))
-    floor = np.tile(np.array(FITTED.floor)[:, None], len(at))
+    floor = np.tile(np.array(PARTS.floor)[:, None], len(at))
     if grid is not None:
         whole = judged(grid, plan.whole, pressure)
         fine = rate * (model.separation[at] - whole[-1])
-        floor[0] = np.hypot(floor[0], FITTED.part * np.nan_to_num(fine))
+        floor[0] = np.hypot(floor[0], PARTS.part * np.nan_to_num(fine))
     over_mean = len(shares) * shares
     # a part of large share has a mean pressure above that of the map, and long waves solved alone
     # have more contact than the map under the same load
-    local, heaviest = over_mean * pressure, FITTED.heaviest if grid is None else 1.0
-    usable = (over_mean > FITTED.least_load) & (local <= heaviest * pressure[-1])
+    local, heaviest = over_mean * pressure, PARTS.heaviest if grid is None else 1.0
+    usable = (over_mean > PARTS.least_load) & (local <= heaviest * pressure[-1])
     usable &= np.isfinite(whole[0])
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
     taken = _first(usable, best, side)
     beside = None
     if otherwise is not None:
-        sure = floor * _on_floor(_fewer(taken * shares)) <= FITTED.enough * allowed
+        sure = floor * _on_floor(_fewer(taken * shares)) <= PARTS.enough * allowed
         taken &= sure.all(axis=0)
         unsure = np.logical_not(taken.any(axis=0))
         if 2 * np.count_nonzero(unsure) > len(at):
@@ -151,7 +151,7 @@ def misfit_on_parts(
     while len(some):
         parallel.apart(solve, some, beside)
         _, bounds, number = _pooled(found, shares, rate, floor)
-        enough = (number >= LEAST_PARTS) & (bounds <= FITTED.enough * allowed).all(axis=0)
+        enough = (number >= LEAST_PARTS) & (bounds <= PARTS.enough * allowed).all(axis=0)
         taken[some] &= ~here[some]  # a part is solved once, even if it gave nothing
         here = taken & ~enough
         some, beside = order[here[order].any(axis=1)][:PARTS_TOGETHER], None
@@ -196,7 +196,7 @@ def long_waves(hm: HeightMap, plan: Plan, side: int) -> HeightMap | None:
     lines = np.roll([hm.source[each].mean(axis=0) for each in rows], -column, axis=1)
     means = np.add.reduceat(lines, edges[1][:-1], axis=1) / np.diff(edges[1])
     share = float(means.var()) / hm.roughness.rms_height**2
-    return plan.solved(hm) if share > FITTED.long_waves else None
+    return plan.solved(hm) if share > PARTS.long_waves else None
 
 
 def _pooled(found: Array, shares: Array, rate: Array, floor: Array) -> tuple[Array, Array, Index]:
@@ -220,9 +220,9 @@ def _pooled(found: Array, shares: Array, rate: Array, floor: Array) -> tuple[Arr
     scatter = np.sqrt((share * (found - mean.T) ** 2).sum(axis=0)).T
     for each in (mean, scatter):
         each[0] *= rate
-    fewer, left = _fewer(weights), np.maximum(1.0 - weights.sum(axis=0), 1.0 / FITTED.alike)
-    spread = scatter[:2] / np.sqrt(np.maximum(1.0 - fewer / FITTED.alike, np.finfo(float).tiny))
-    floor = np.hypot(floor, FITTED.part * mean[:2]) * _on_floor(fewer)
+    fewer, left = _fewer(weights), np.maximum(1.0 - weights.sum(axis=0), 1.0 / PARTS.alike)
+    spread = scatter[:2] / np.sqrt(np.maximum(1.0 - fewer / PARTS.alike, np.finfo(float).tiny))
+    floor = np.hypot(floor, PARTS.part * mean[:2]) * _on_floor(fewer)
     return mean, spread * np.sqrt(fewer * left) + floor, known.sum(axis=0)
 
 
@@ -233,17 +233,17 @@ def _sum(weights: Array) -> Array:
 
 
 def _fewer(weights: Array) -> Array:
-    """How many times fewer than `FITTED.alike` parts of equal share carry the load, from their
-    shares, shape (parts, n); NaN where the parts carry too little of it (`FITTED.cover`)."""
+    """How many times fewer than `PARTS.alike` parts of equal share carry the load, from their
+    shares, shape (parts, n); NaN where the parts carry too little of it (`PARTS.cover`)."""
     total = _sum(weights)
-    fewer = FITTED.alike * (weights**2).sum(axis=0) / total**2
-    fewer[total < FITTED.cover / math.sqrt(len(weights))] = np.nan
+    fewer = PARTS.alike * (weights**2).sum(axis=0) / total**2
+    fewer[total < PARTS.cover / math.sqrt(len(weights))] = np.nan
     return np.asarray(fewer)
 
 
 def _on_floor(fewer: Array) -> Array:
     """Factor on the floor of the bounds where `_fewer` parts carry the load."""
-    return np.asarray(np.sqrt(0.5 + 0.5 * np.maximum(fewer, fewer**FITTED.few)))
+    return np.asarray(np.sqrt(0.5 + 0.5 * np.maximum(fewer, fewer**PARTS.few)))
 
 
 def corner(hm: HeightMap, side: int) -> tuple[int, int]:

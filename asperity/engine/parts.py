@@ -42,13 +42,13 @@ if TYPE_CHECKING:
 __all__ = ["can_sample", "parts_along", "sampled", "statistically_homogeneous"]
 
 
-FITTED = DEFAULTS.parts
+PARTS = DEFAULTS.parts
 
 
 def statistically_homogeneous(hm: HeightMap) -> bool:
     """Whether a map consists of random waves without a long lay: its contacts are statistically
     alike, so that the misfit is that of a few places and changes slowly with the load."""
-    doubts = model_warnings(hm, FITTED.longest_lay)
+    doubts = model_warnings(hm, PARTS.longest_lay)
     return not doubts and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
 
 
@@ -69,10 +69,10 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     law = plan.sub_contact_law
     if material.hardness < math.inf or material.m != 0.0:
         return False
-    if law is not None and law.rms[0] < FITTED.coarse * law.rms[1]:
+    if law is not None and law.rms[0] < PARTS.coarse * law.rms[1]:
         return False
-    enough = min(accuracy.load / FITTED.floor[0], accuracy.area / FITTED.floor[1]) >= FITTED.spare
-    if not enough or min(hm.shape) < FITTED.least_points:
+    enough = min(accuracy.load / PARTS.floor[0], accuracy.area / PARTS.floor[1]) >= PARTS.spare
+    if not enough or min(hm.shape) < PARTS.least_points:
         return False
     if not statistically_homogeneous(hm) or copied(hm):
         return False
@@ -114,10 +114,10 @@ def sampled(
     """
     model = run.curve
     points = answered(model)
-    nodes = np.unique(np.linspace(0, len(points) - 1, FITTED.loads).astype(np.int64))
+    nodes = np.unique(np.linspace(0, len(points) - 1, PARTS.loads).astype(np.int64))
     at, scatter = points[nodes], pixel_scatter(hm, model)[points]
     allowed = np.array([[accuracy.load], [accuracy.area]])
-    error = FITTED.judge_share * accuracy.area
+    error = PARTS.judge_share * accuracy.area
     judged = PartMisfit(run.decomposition.material, error, progress)
     among, solved_map = run.decomposition.law_factory.shares, run.decomposition.solved
     # load shares of contacts are those of the whole map, on which the parts get their laws
@@ -166,8 +166,8 @@ def _within(bounds: Array, scatter: Array, allowed: Array) -> Mask:
 
 def parts_along(hm: HeightMap, solved: HeightMap) -> int:
     """Number of parts along each side of a map; `solved` is the map on the grid of the plan."""
-    most = min(hm.shape) // FITTED.points, min(solved.shape) // FITTED.grid_points
-    return max(FITTED.side, min(most))
+    most = min(hm.shape) // PARTS.points, min(solved.shape) // PARTS.grid_points
+    return max(PARTS.side, min(most))
 
 
 def _load_shares(run: ContactRun, side: int) -> Array:

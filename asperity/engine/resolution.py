@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 
-FITTED = DEFAULTS.pixel_uncertainty
+PIXELS = DEFAULTS.pixel_uncertainty
 
 ACCURACY = 0.05
 """Accuracy in load and area of the solution on the finer grid."""
@@ -153,7 +153,7 @@ def narrow_share(contact: Mask) -> float:
     beside = around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:]
     edges = 4.0 - np.sum(beside, axis=0)[contact]
     pixels, perimeter = np.bincount(own), np.bincount(own, edges)
-    return float(pixels[4 * pixels < FITTED.narrow * perimeter].sum() / max(len(own), 1))
+    return float(pixels[4 * pixels < PIXELS.narrow * perimeter].sum() / max(len(own), 1))
 
 
 def opened_share(point: SolvedLoad, material: HalfSpace, *, periodic: bool) -> float:
@@ -194,15 +194,15 @@ def resolution(hm: HeightMap, solved: SolvedLoads) -> Resolution:
         return Resolution(0.0, 0.0, "nothing touches")
     share = narrow_share(point.part.pressure > 0.0)
     held = (
-        f"contacts narrower than {FITTED.narrow:g} pixels hold {share:.0%} of the lightest "
+        f"contacts narrower than {PIXELS.narrow:g} pixels hold {share:.0%} of the lightest "
         f"contact, waves of less than two pixels would open {opened:.0%} of a contact"
     )
     least = DEFAULTS.pixel_waves.to_the_pixel
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
-    if share < FITTED.doubtful and opened <= FITTED.floor[1] and not broken:
-        return Resolution(*FITTED.floor, held)
+    if share < PIXELS.doubtful and opened <= PIXELS.floor[1] and not broken:
+        return Resolution(*PIXELS.floor, held)
     apart = np.abs(between_grids(solved.kept, ACCURACY)).max(axis=1, initial=0.0)
-    load, area = np.maximum(FITTED.floor, FITTED.safety * apart).tolist()
+    load, area = np.maximum(PIXELS.floor, PIXELS.safety * apart).tolist()
     if math.isnan(load + area):
         why = f"{held}, and a load on a grid twice as fine did not converge"
         return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
@@ -211,7 +211,7 @@ def resolution(hm: HeightMap, solved: SolvedLoads) -> Resolution:
     ny, nx = point.part.hm.shape
     where = f"of {ny} x {nx} points about the highest one"
     told = f"{held}; {len(solved.kept)} loads solved on a grid twice as fine as that {where}"
-    large = load > FITTED.large[0] or area > FITTED.large[1]
+    large = load > PIXELS.large[0] or area > PIXELS.large[1]
     return Resolution(load, area, told, (warning,) if large else ())
 
 

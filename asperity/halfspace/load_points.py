@@ -173,7 +173,10 @@ def _require_pressures(least: float, largest: float, hardness: float) -> None:
 
 
 def checked_loads(
-    hm: HeightMap, material: HalfSpace, pressures: ArrayLike | None, separations: ArrayLike | None
+    hm: HeightMap,
+    material: HalfSpace,
+    pressures: ArrayLike | None = None,
+    separations: ArrayLike | None = None,
 ) -> tuple[str, Array]:
     """Kind ("pressure" or "separation") and values of the load points, by default those of
     `default_pressures`. Values that are not finite, negative pressures and the like are refused."""

@@ -31,7 +31,6 @@ _ROWS = 200
 """Rows of a law. Equal steps of the cube root of a pressure that rises exponentially keep the work
 best: straight lines between n rows are off by ``2.25 / n**2`` of it."""
 
-
 _CALCULIX_ROWS = 90
 """Rows for CalculiX, whose node-to-surface contact follows so many."""
 

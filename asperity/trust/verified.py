@@ -40,10 +40,10 @@ ReferenceSolver = Callable[[Array, float], ContactCurve]
 """Function of load points and of a share of the accuracy asked for: solves these points by boundary
 elements within that share."""
 
-FITTED = DEFAULTS.anchors
+ANCHORS = DEFAULTS.anchors
 
-PRIOR_SHARE = np.array([FITTED.prior_share]).T
-YIELDED_SHARE = np.array([FITTED.yielded_share]).T
+PRIOR_SHARE = np.array([ANCHORS.prior_share]).T
+YIELDED_SHARE = np.array([ANCHORS.yielded_share]).T
 
 LOADS_PER_ANCHOR = 4
 """Number of successive load points that boundary elements solve in the time of one anchor: an
@@ -126,24 +126,24 @@ def verified(
     """
     points = answered(model)
     others = np.setdiff1d(np.arange(len(model)), points)
-    if (count := len(points)) < FITTED.least_loads:
+    if (count := len(points)) < ANCHORS.least_loads:
         return judge(values, 1.0)
     position = np.log(model.mean_pressure[points])
     prior, plastic = _prior_estimates(model, points)
-    first = FITTED.first[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
+    first = ANCHORS.first[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
     scatter = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
     solved = solved_points(judge, values, others, 1.0)
     while True:
         new = [i for i in points[anchors] if i not in solved]
-        share = FITTED.judge_share if len(anchors) < count else 1.0
+        share = ANCHORS.judge_share if len(anchors) < count else 1.0
         solved |= solved_points(judge, values, np.array(new), share)
         bare = [i for i in points[anchors] if not solved[i].contact_area[0] > 0.0]
         if bare:  # where the model touches alone, the judge has the answer
             kept = ~np.isin(points, bare)
             points, position, scatter = points[kept], position[kept], scatter[kept]
             prior, plastic = prior[:, kept], plastic[:, kept]
-            if (count := len(points)) < FITTED.least_loads:
+            if (count := len(points)) < ANCHORS.least_loads:
                 return judge(values, 1.0)
             held = np.flatnonzero(np.isin(points, list(solved)))
             anchors = np.union1d(held, [0, count - 1])
@@ -213,7 +213,7 @@ def _prior_estimates(model: ContactCurve, points: Index) -> tuple[Array, Array]:
     prior = np.array(
         [
             np.where(np.isfinite(error), error, unknown)[points]
-            for error, unknown in zip(stated, FITTED.unknown, strict=True)
+            for error, unknown in zip(stated, ANCHORS.unknown, strict=True)
         ]
     )
     plastic = np.asarray(model.extra.get("plastic_share", np.zeros(len(model))))[points]

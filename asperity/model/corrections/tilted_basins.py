@@ -44,10 +44,11 @@ def correct(
 
     The law of a yielded contact is made from the elastic contact of the same area, which may have
     another shape. If contacts have yielded, boundary elements under the hardness therefore press
-    those of large area that reach beyond the paraboloid; the areas count as far as they refute the
-    laws (docs/development/hardness.md). If the total area is near its lower bound, the load
-    over the hardness, none is pressed. The contact radius in R |g| is that of the elastic contact
-    of the same area: yielding does not change how far a basin tilts.
+    those of large area that reach beyond the paraboloid, but for flat tops that have not yielded;
+    the areas count as far as they refute the laws (docs/development/hardness.md). If the total area
+    is near its lower bound, the load over the hardness, none is pressed. The contact radius in
+    R |g| is that of the elastic contact of the same area: yielding does not change how far a basin
+    tilts.
     """
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
@@ -64,7 +65,7 @@ def correct(
         punch = elastic[1] if yielded else punch
     flags = population.table.flags_at(state.rows[closed], approach[closed])
     beyond = (flags & np.uint8(Flag.BEYOND_RADIUS)) > 0
-    if yielded:  # elements say little of a flat top that has not yielded
+    if yielded:
         beyond &= capped | (summits.kinds[state.rows[closed]] == SUMMIT)
     closed = closed[beyond]
     shift = _shifts(population, state, closed, punch[beyond])

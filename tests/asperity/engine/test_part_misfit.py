@@ -37,9 +37,9 @@ def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
     run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
     shares = _load_shares(run, 4)
     larger, found = part_misfit._on_floor(part_misfit._fewer(shares)), {}
-    floor = np.outer(part_misfit.FITTED.floor, larger)
+    floor = np.outer(part_misfit.PARTS.floor, larger)
     assert (floor[:, 0] > floor[:, -1]).all()
-    between = 0.5 * (floor[:, :1] + floor[:, -1:]) / part_misfit.FITTED.enough
+    between = 0.5 * (floor[:, :1] + floor[:, -1:]) / part_misfit.PARTS.enough
     scene = hm, plan, run.curve, np.arange(4), shares, between
     asked: list[np.ndarray] = []
     for otherwise in (asked.append, None):
@@ -56,12 +56,12 @@ def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
 @pytest.mark.parametrize("allowed, solved", [(1.3, 5), (1.0, 8)])
 def test_no_more_parts_are_solved_than_the_bounds_need(allowed, solved, monkeypatch):
     """Of 64 that carry alike five, with bounds near the floor, and no more than eight."""
-    monkeypatch.setattr(part_misfit, "FITTED", replace(part_misfit.FITTED, long_waves=1.0))
+    monkeypatch.setattr(part_misfit, "PARTS", replace(part_misfit.PARTS, long_waves=1.0))
     hm = broad((512, 512))
     loads = default_pressures(hm, BODY, 4)
     plan = asperity.make_plan(hm, BODY, pressures=loads, scales="all")
     run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
-    shares, floor = np.full((64, 4), 1 / 64), np.array(part_misfit.FITTED.floor)[:, None]
+    shares, floor = np.full((64, 4), 1 / 64), np.array(part_misfit.PARTS.floor)[:, None]
     judged = Counted()
     scene = hm, plan, run.curve, np.arange(4), shares, allowed * floor, None
     bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
@@ -91,7 +91,7 @@ def test_two_parts_that_carry_all_of_the_load_do_not_know_the_whole():
     """They were cut out: misfits 0.17 apart, the whole 0.13 from their mean, 0.07 stated."""
     shares, found = np.zeros((16, 1)), np.full((16, 1, 4), np.nan)
     shares[:2, 0], found[:2, 0] = (0.61, 0.39), np.array([[0.05], [0.22]])
-    floor = np.array(part_misfit.FITTED.floor)[:, None]
+    floor = np.array(part_misfit.PARTS.floor)[:, None]
     _, bounds, number = part_misfit._pooled(found, shares, np.ones(1), floor)
     assert number == 2 and bounds[1] > 0.14
 
@@ -113,6 +113,6 @@ def test_fine_waves_that_change_much_of_the_load_leave_more_open():
     scene = hm, plan, model, np.arange(4), shares, np.ones((2, 1)), None
     assert part_misfit.long_waves(hm, plan, 4) is not None
     bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
-    load, area = part_misfit.FITTED.floor
+    load, area = part_misfit.PARTS.floor
     of_three = np.sqrt(0.5 + 0.5 * (4.0 / 3.0) ** 2)
     np.testing.assert_allclose(bounds.T / of_three, [[np.hypot(load, 0.05), area]] * 4)

@@ -22,7 +22,7 @@ BODY = asperity.HalfSpace.from_modulus(1.0)
 @pytest.fixture(autouse=True)
 def small_maps_count(monkeypatch):
     """Maps of 512 points along a side are taken for large ones."""
-    monkeypatch.setattr(parts, "FITTED", replace(parts.FITTED, least_points=512))
+    monkeypatch.setattr(parts, "PARTS", replace(parts.PARTS, least_points=512))
 
 
 def waves(**recipe: object) -> surfaces.HeightMap:
@@ -116,7 +116,7 @@ def test_the_model_answers_on_a_part_as_on_the_whole(monkeypatch):
     monkeypatch.setattr(parts, "PartMisfit", lambda *_: answered)
     asked = "pressure", loads, None, Accuracy()
     parts.sampled(hm, plan, run, *asked, progress=lambda _: None)
-    assert len(found) >= part_misfit.FITTED.alike
+    assert len(found) >= part_misfit.PARTS.alike
     assert np.abs(np.concatenate(found)).max() < 0.01
 
 
@@ -189,7 +189,7 @@ def test_a_hill_within_one_part_is_not_told_by_the_others(monkeypatch):
     """All of the load is on one part, which would be pressed harder than the whole ever is."""
     monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
     monkeypatch.setattr(parts, "random_map", lambda *_: True)
-    monkeypatch.setattr(part_misfit, "FITTED", replace(part_misfit.FITTED, long_waves=1.0))
+    monkeypatch.setattr(part_misfit, "PARTS", replace(part_misfit.PARTS, long_waves=1.0))
     loads = default_pressures(hill(), BODY, 5)[-2:]
     curve = asperity.solve(hill(), BODY, pressures=np.geomspace(*loads, 5))
     assert np.isnan(bounds(curve)).all() and not curve.verification["met"]
@@ -224,7 +224,7 @@ def test_a_load_point_solved_on_the_whole_serves_those_beside_it(monkeypatch):
     monkeypatch.setattr(parts, "misfit_on_parts", all_but_the_lightest)
     curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
     assert curve.verification["anchors"] == [0] and curve.verification["met"]
-    assert curve.error_estimate[0] < part_misfit.FITTED.floor[0] <= curve.error_estimate[1]
+    assert curve.error_estimate[0] < part_misfit.PARTS.floor[0] <= curve.error_estimate[1]
     true = truth(hm, BODY, loads)
     assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
 
@@ -232,7 +232,7 @@ def test_a_load_point_solved_on_the_whole_serves_those_beside_it(monkeypatch):
 def test_parts_that_carry_most_of_a_heavy_load_are_solved(monkeypatch):
     """They are pressed harder than the mean, and hold most of the area."""
     hm, solved = hill(0.4), []
-    monkeypatch.setattr(parts, "FITTED", replace(parts.FITTED, loads=2))
+    monkeypatch.setattr(parts, "PARTS", replace(parts.PARTS, loads=2))
     judged = part_misfit.PartMisfit.__call__
 
     def seen(judge, part, plan, pressures, **told):
@@ -242,7 +242,7 @@ def test_parts_that_carry_most_of_a_heavy_load_are_solved(monkeypatch):
     monkeypatch.setattr(part_misfit.PartMisfit, "__call__", seen)
     loads = default_pressures(hm, BODY, 5)
     asperity.solve(hm, BODY, pressures=loads, engine="sampled")
-    assert loads[-1] < max(solved) <= part_misfit.FITTED.heaviest * loads[-1]
+    assert loads[-1] < max(solved) <= part_misfit.PARTS.heaviest * loads[-1]
 
 
 def hill(height: float = 60.0) -> surfaces.HeightMap:
@@ -280,7 +280,7 @@ def test_parts_hold_as_many_points_of_the_grid_whatever_the_map():
 
 
 def test_bounds_hold_with_more_parts(monkeypatch):
-    monkeypatch.setattr(parts, "FITTED", replace(parts.FITTED, points=100))
+    monkeypatch.setattr(parts, "PARTS", replace(parts.PARTS, points=100))
     hm = waves(cutoff=4.0, rolloff=20.0)
     loads = default_pressures(hm, BODY, 8)
     curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")

@@ -12,7 +12,7 @@ from asperity import HalfSpace, bem_curve, solve
 from asperity.bem import part
 from asperity.bem.answer import answer
 from asperity.engine import resolution
-from asperity.engine.resolution import FITTED, narrow_share, opened_share
+from asperity.engine.resolution import PIXELS, narrow_share, opened_share
 from asperity.halfspace.load_points import closed_share, default_pressures
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -100,16 +100,16 @@ def test_a_part_bears_the_load_of_its_contacts(monkeypatch):
     for tile in (128, 256):
         monkeypatch.setattr(part, "POINTS", tile)
         stated[tile] = solve(hill, BODY, pressures=loads).verification["resolution_uncertainty"]
-    assert stated[256][1] > 2.0 * FITTED.floor[1]  # the case tells something
+    assert stated[256][1] > 2.0 * PIXELS.floor[1]  # the case tells something
     assert stated[128] == pytest.approx(stated[256], rel=0.2)
 
 
 def test_resolved_contacts_are_told_without_another_solution():
     hm = waves(12.0)
     curve = solve(hm, BODY)
-    assert curve.verification["resolution_uncertainty"] == list(FITTED.floor)
+    assert curve.verification["resolution_uncertainty"] == list(PIXELS.floor)
     load, area = difference(hm, curve.mean_pressure)
-    assert load <= FITTED.floor[0] and area <= FITTED.floor[1]
+    assert load <= PIXELS.floor[0] and area <= PIXELS.floor[1]
     assert not any("pixels" in warning for warning in curve.settings["warnings"])
 
 
