@@ -233,15 +233,19 @@ def test_the_bound_holds_at_separations_near_full_contact(m):
             assert area <= curve.extra["area_error_estimate"][0]
 
 
-def test_the_area_of_full_contact_is_bounded():
-    """A load above that of full contact, found at a separation, closes the points still open."""
-    x = 2 * np.pi * np.arange(32) / 32
-    wave = HeightMap(0.1 * np.cos(x) + np.zeros((16, 1)), (1.0, 1.0), periodic=True)
-    full = 0.5 * 0.1 * 2 * np.pi / 32
-    for separation in 0.1 * np.geomspace(1e-6, 1e-2, 15):
-        found = bem_solve(wave, BODY, separation=separation, tolerance=1e-2)
-        if found.mean_pressure >= full:
-            assert 1.0 / found.area_fraction - 1.0 <= found.area_error_estimate
+@pytest.mark.parametrize(("waves_across", "shape"), [(3, (64, 48)), (2, (48, 32))])
+def test_the_area_under_the_load_of_full_contact_is_bounded(waves_across, shape):
+    """The load found at a separation may be a little larger: then the exact contact has no open
+    points left. Areas were 8 % off at 5 and 6 % stated."""
+    x = 2 * np.pi * waves_across / shape[1] * np.arange(shape[1])
+    hm = HeightMap(np.cos(x) + np.zeros((shape[0], 1)), (1.0, 1.0), periodic=True)
+    full = 0.5 * 2 * np.pi * waves_across / shape[1]
+    loads = full * np.array([0.98, 0.99, 0.995, 0.999, 0.9999])
+    asked = [bem_solve(hm, BODY, pressure=load, tolerance=1e-10).separation for load in loads]
+    curve = bem_curve(hm, BODY, separations=asked, accuracy=(0.1, 0.2))
+    closed, area = curve.mean_pressure >= full, curve.area_fraction
+    assert (closed & (area < 0.97)).any()
+    assert (1.0 / area - 1.0 <= curve.extra["area_error_estimate"])[closed].all()
 
 
 def _symbol(n: int):
