@@ -201,7 +201,7 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
         0.35 P^-0.23 (1 - f)/f,   of A (q/2 pi)^2 waves,
 
     where the contacts have the area A, cover the share P of the map, and touch on the share f of A.
-    Both are fits on seeds 1, 2 and 11 (`parameters.constants.Spots`, docs/development/errors.md).
+    Both are fits on seeds 1, 2 and 11 (`parameters.Spots`, docs/development/errors.md).
     """
     fitted = decomposition.plan.parameters.spots
     first = spot_of_contacts(decomposition, point)

@@ -24,8 +24,7 @@ from asperity.halfspace.load_points import (
 )
 from asperity.microcontact.laws import TABULATORS
 from asperity.multiscale.wave_split import chosen_grid
-from asperity.parameters import DEFAULTS, Parameters
-from asperity.parameters.constants import Segmentation
+from asperity.parameters import DEFAULTS, Parameters, Segmentation
 from surfaces.arrays import Array
 from surfaces.checks import constant, lay, seam_warning
 from surfaces.errors import as_choice, as_truth

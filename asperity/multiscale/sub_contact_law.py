@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
-from asperity.parameters import DEFAULTS
-from asperity.parameters.constants import SubContact
+from asperity.parameters import DEFAULTS, SubContact
 from surfaces.arrays import Array
 
 if TYPE_CHECKING:

@@ -1,16 +1,29 @@
-"""All constants of the microcontact model and of the engines. This module holds those of the
-corrections, the switches of these, the limits of the model, and what chooses an engine; `constants`
-holds the others, and says what "25 %" means.
+"""All constants that decide answers of the microcontact model and of the engines.
+
+Each entry gives quantity and unit, effect, what it was fitted on, and its sensitivity: "25 %" is
+the largest change of load and area on ten judged maps if the constant is a quarter larger or
+smaller, where that is a tenth of a per cent or more (``benchmarks/sensitivity.py``,
+docs/development/sensitivity.csv). Numerical tolerances are in the modules that use them.
+
+This module holds those by which `solve` chooses an engine, verifies its answer and bounds it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .constants import (
-    Anchors,
+from .corrections import (
+    ContactShift,
+    Corrections,
+    ElongationBounds,
+    JoinedPairs,
+    PressedBasins,
+    SharpTips,
+    TiltedBasins,
+)
+from .model import (
     ErrorEstimate,
-    Parts,
+    Limits,
     PixelWaves,
     Segmentation,
     Spots,
@@ -20,163 +33,144 @@ from .constants import (
 
 __all__ = [
     "DEFAULTS",
+    "Anchors",
     "ContactShift",
     "Corrections",
     "ElongationBounds",
+    "ErrorEstimate",
     "JoinedPairs",
     "Limits",
     "Parameters",
+    "Parts",
     "PixelUncertainty",
+    "PixelWaves",
     "PressedBasins",
     "RunTimes",
+    "Segmentation",
     "SharpTips",
+    "Spots",
+    "SubContact",
     "TiltedBasins",
+    "WaveSplit",
 ]
 
 
 @dataclass(frozen=True)
-class ContactShift:
-    """Contact shift under the slope of the neighbors' field.
+class Anchors:
+    """Load points at which boundary elements correct and bound a curve of the model
+    (docs/development/verification.md).
 
     Attributes
     ----------
-    largest
-        Largest shift over the contact radius [-]. Farther off, the paraboloid of the summit does
-        not describe the surface, and contacts that shift each other have several states. With 0.7
-        the loads of 14 of 70 maps depended on the load path by more than a tenth of the stated
-        error, up to 1.25 of it; with 0.55 those of 6 of 80, one up to 0.94, the others to 0.21. The
-        load error is 1.1 % (74 judged maps).
-    growth
-        c [-] of the area A (1 + c (1 + m)^2 s^2/a^2) of a contact of radius a shifted by s, at
-        equal force, if the contact has outgrown the paraboloid of its summit (boundary elements,
-        contact by contact: 1.2 to 1.9 for cut-offs from 4 to 16 pixels).
+    least_loads
+        Least number of load points for which the model is used.
+    first
+        Number of anchors to begin with: on random waves; on other maps, whose misfit varies less
+        evenly.
+    judge_share
+        Error [-] of boundary elements at anchors, over the accuracy asked for.
+    prior_share
+        Shares [-] of the a-priori estimates of load and area that bound the misfit between anchors,
+        if the estimates held at all anchors.
+    yielded_share
+        Increase of these shares [-], times the plastic share: the load on contacts at the hardness
+        depends on the heights of single summits, so that the misfit does not vary slowly.
+    unknown
+        A-priori estimates of load and area [-] used where the model states none.
     """
 
-    largest: float = 0.55
-    growth: float = 1.5
+    least_loads: int = 5
+    first: tuple[int, int] = (3, 5)
+    judge_share: float = 0.15
+    prior_share: tuple[float, float] = (0.5, 1.0 / 3.0)
+    yielded_share: tuple[float, float] = (1.0, 0.0)
+    unknown: tuple[float, float] = (0.05, 0.15)
 
 
 @dataclass(frozen=True)
-class ElongationBounds:
-    """Bounds of elongated footprints.
+class Parts:
+    """Parts of a large map on which boundary elements check the model
+    (docs/development/verification.md).
 
     Attributes
     ----------
-    aspect
-        Largest ratio [-] of the axes of a footprint.
-    radius
-        Largest radius of curvature along a contact, over that of the round contact [-], in the
-        contact shift: along a ridge the surface is no paraboloid.
+    least_points
+        Least points along the shorter side of a map that is checked on parts.
+    longest_lay
+        Largest slope across over that along a lay [-], so that contacts stay within parts.
+    coarse
+        Least rms height of the waves that have contacts, over that of all [-] (white noise 0.6,
+        Hurst exponents above 0 more than 0.9).
+    side, points, grid_points
+        Least number of parts along each side; a larger map has more, with at least `points` of the
+        map and `grid_points` of the grid of the plan along the shorter side of a part.
+    loads, judge_share
+        Number of load points at which parts are solved; error of the area there, over the accuracy
+        [-].
+    least_load, heaviest
+        Range of the mean pressure on a part that is solved [-]: the least over that of the map at
+        this load point, the largest over that of the map at its heaviest load point.
+    cover
+        Least load on the solved parts, over the load that one row of parts would carry if all
+        carried alike [-]: with less the parts do not bound the misfit.
+    long_waves, part
+        Share [-] of the mean square height in waves longer than half a part above which these waves
+        are solved on the whole map. Part of the correction, and of the change of the load by the
+        other waves, that may be wrong [-] (root of the squares with the floor).
+    floor, alike, few
+        Bounds of load and area [-], added to the standard error of the mean, over `alike` parts of
+        equal load. For r times fewer parts their squares are (1 + r^`few`)/2 times as large [-].
+    spare, enough
+        Least accuracy over the floor for which parts are tried; bounds over the accuracy at which
+        no more parts are solved [-].
     """
 
-    aspect: float = 30.0
-    radius: float = 1.5
+    least_points: int = 1536
+    longest_lay: float = 3.0
+    coarse: float = 0.87
+    side: int = 4
+    points: int = 512
+    grid_points: int = 75
+    loads: int = 4
+    judge_share: float = 0.05
+    least_load: float = 0.02
+    heaviest: float = 4.0
+    cover: float = 0.4
+    long_waves: float = 1.0 / 3.0
+    part: float = 0.1
+    floor: tuple[float, float] = (0.02, 0.04)
+    alike: int = 4
+    few: float = 2.0
+    spare: float = 1.5
+    enough: float = 0.75
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Limits of the model.
+class PixelUncertainty:
+    """What the pixels of a map leave open, by some loads on a grid twice as fine
+    (docs/development/verification.md).
 
     Attributes
     ----------
-    long_area
-        Largest area of discs on the long axes of the contacts, over the area of the map [-]; load
-        points above it are refused. With lay of 10:1 (shortest wave 8 pixels) it is reached at 9 %
-        of contact, where the load is 24 to 32 % too high; with 20:1 at 5 %, where the load is half
-        as much again too high. Lay of 4:1 has 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
+    narrow
+        Width of a contact [pixels], four times its area over its perimeter, below which it is
+        narrow: its area and load depend on the grid. Discs of ten pixels are narrow, and ridges of
+        one pixel.
+    doubtful
+        Least share [-] of the contact area in narrow contacts for which a finer grid is solved.
+    safety
+        Stated uncertainty over the largest difference between both grids [-].
+    floor
+        Least stated uncertainty of load and area [-].
+    large
+        Uncertainty of load and area above which a warning is given [-].
     """
 
-    long_area: float = 1.9
-
-
-@dataclass(frozen=True)
-class PressedBasins:
-    """Contacts that carry so much of the load that boundary elements press their basins alone.
-
-    Attributes
-    ----------
-    ridge_share, plateau_share, round_share
-        Least share [-] of the load, beyond its expansion, for which a contact is pressed alone: on
-        a ridge or rough summit; on a peak without a summit between the pixels, for which no law
-        holds; on a smooth, round summit, whose law is more accurate. (25 %: load 0.9 %, area 2.0
-        %.)
-    ridge
-        Largest ratio of the curvatures [-] of a round summit. (25 %: load 0.4 %, area 0.2 %.)
-    """
-
-    ridge_share: float = 0.03
-    plateau_share: float = 0.003
-    round_share: float = 0.1
-    ridge: float = 5.0
-
-
-@dataclass(frozen=True)
-class JoinedPairs:
-    """Pairs of contacts that boundary elements press as one.
-
-    Attributes
-    ----------
-    share
-        Least share [-] of the load that both carry as they join. (25 %: load 2.3 %, area 5.7 %.)
-    slack
-        Depth below the pass between them, over the mean approach [-], down to which both basins
-        count as one. (25 %: load 0.3 %, area 4.6 %.)
-    """
-
-    share: float = 0.2
-    slack: float = 0.1
-
-
-@dataclass(frozen=True)
-class TiltedBasins:
-    """Contacts whose basins the field of the others tilts (`corrections.tilted_basins`).
-
-    Fitted on seeds 1, 2 and 11 to 16.
-
-    Attributes
-    ----------
-    shift
-        Shift over the contact radius [-] at which a basin begins to count as tilted, and at which
-        it counts fully.
-    share
-        Share [-] of the contact area on tilted basins at which the correction of areas begins, and
-        at which it is complete.
-    most
-        Part [-] of the area on tilted basins that is corrected, in the largest contacts.
-    passed
-        Depth of a hollow, over the approach [-], at which a ray ends (0.1 to 0.4 are alike).
-    pressed
-        Least share [-] of the contact area of a yielded contact that is pressed. (25 %: area 0.6
-        %.)
-    confirmed
-        Part [-] of the area of the pressed contacts at which its change counts fully; below it, in
-        proportion. Nothing is pressed where the area is larger than load over hardness by less.
-    """
-
-    shift: tuple[float, float] = (0.25, 0.35)
-    share: tuple[float, float] = (0.22, 0.3)
-    most: float = 0.95
-    passed: float = 0.2
-    pressed: float = 0.003
-    confirmed: float = 0.05
-
-
-@dataclass(frozen=True)
-class SharpTips:
-    """Tips narrower than the first step of their rays.
-
-    Attributes
-    ----------
-    ratio
-        Least ratio [-] of f/r^2 at a tip to that at the first node of its rays for which the rays
-        do not resolve it: 12 for r, 4 for r^1.5, at most 2.3 on nine maps. (25 %: load 0.1, area
-        0.4 %.)
-    error
-        Expected error [-] of the force above which the expansion of a tip counts as exceeded.
-    """
-
-    ratio: float = 1.5
-    error: float = 0.05
+    narrow: float = 3.0
+    doubtful: float = 0.5
+    safety: float = 2.0
+    floor: tuple[float, float] = (0.02, 0.05)
+    large: tuple[float, float] = (0.05, 0.15)
 
 
 @dataclass(frozen=True)
@@ -223,71 +217,6 @@ class RunTimes:
     parts: float = 1.5
     beside: float = 1.2
     worth: float = 0.75
-
-
-@dataclass(frozen=True)
-class PixelUncertainty:
-    """What the pixels of a map leave open, by some loads on a grid twice as fine
-    (docs/development/verification.md).
-
-    Attributes
-    ----------
-    narrow
-        Width of a contact [pixels], four times its area over its perimeter, below which it is
-        narrow: its area and load depend on the grid. Discs of ten pixels are narrow, and ridges of
-        one pixel.
-    doubtful
-        Least share [-] of the contact area in narrow contacts for which a finer grid is solved.
-    safety
-        Stated uncertainty over the largest difference between both grids [-].
-    floor
-        Least stated uncertainty of load and area [-].
-    large
-        Uncertainty of load and area above which a warning is given [-].
-    """
-
-    narrow: float = 3.0
-    doubtful: float = 0.5
-    safety: float = 2.0
-    floor: tuple[float, float] = (0.02, 0.05)
-    large: tuple[float, float] = (0.05, 0.15)
-
-
-@dataclass(frozen=True)
-class Corrections:
-    """Switches of the corrections of the model (``benchmarks/ablation.py`` has a row for each).
-
-    Attributes
-    ----------
-    contact_shift
-        Contacts shift on the slope of their neighbors' field.
-    elongation
-        Footprints of contacts on elongated summits are elongated.
-    pressed_basins
-        Basins that carry much of the load are pressed alone.
-    joined_pairs
-        Two contacts that join while they carry much of the load are pressed as one.
-    tilted_basins
-        Contacts on basins that the field of the others tilts get the area of the tilted basin.
-    sharp_tips
-        Contacts on tips that their rays do not resolve state larger errors.
-    wave_split
-        The finest waves of a broad spectrum act as a law of the contacts.
-    finer_grid
-        Maps whose waves reach the pixel are solved on smaller pixels.
-    coarser_grid
-        Smooth maps are solved on larger pixels.
-    """
-
-    contact_shift: bool = True
-    elongation: bool = True
-    pressed_basins: bool = True
-    joined_pairs: bool = True
-    tilted_basins: bool = True
-    sharp_tips: bool = True
-    wave_split: bool = True
-    finer_grid: bool = True
-    coarser_grid: bool = True
 
 
 @dataclass(frozen=True)

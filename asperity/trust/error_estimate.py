@@ -20,8 +20,7 @@ from asperity.errors import Flag
 from asperity.interaction.population import PopulationState
 from asperity.microcontact.basin_bem.press import EXPECTED_ERROR
 from asperity.model.decomposition import Decomposition
-from asperity.parameters import DEFAULTS
-from asperity.parameters.constants import ErrorEstimate
+from asperity.parameters import DEFAULTS, ErrorEstimate
 from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 

@@ -14,8 +14,7 @@ from asperity.contacts.table import microcontacts
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.load_points import default_pressures
 from asperity.model.plan import make_plan
-from asperity.parameters import DEFAULTS
-from asperity.parameters.constants import Segmentation
+from asperity.parameters import DEFAULTS, Segmentation
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)

@@ -13,8 +13,7 @@ from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
 from asperity.model.plan import make_plan
-from asperity.parameters import DEFAULTS
-from asperity.parameters.constants import Segmentation
+from asperity.parameters import DEFAULTS, Segmentation
 from surfaces import HeightMap, self_affine
 
 STEEL = HalfSpace.from_modulus(2e11)

@@ -16,8 +16,7 @@ from asperity.halfspace.influence import compliance
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model.plan import make_plan
 from asperity.multiscale.wave_split import refined_map, split_scales
-from asperity.parameters import DEFAULTS
-from asperity.parameters.constants import PixelWaves
+from asperity.parameters import DEFAULTS, PixelWaves
 from surfaces import HeightMap, self_affine
 from surfaces.checks import fineness
 

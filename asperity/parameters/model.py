@@ -1,19 +1,12 @@
-"""Constants of the microcontact model without its corrections (`asperity.parameters`).
-
-Each entry gives quantity and unit, effect, what it was fitted on, and its sensitivity: "25 %" is
-the largest change of load and area on ten judged maps if the constant is a quarter larger or
-smaller, where that is a tenth of a per cent or more (``benchmarks/sensitivity.py``,
-docs/development/sensitivity.csv). Numerical tolerances are in the modules that use them.
-"""
+"""Constants of the microcontact model without its corrections, and of its error estimate."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 __all__ = [
-    "Anchors",
     "ErrorEstimate",
-    "Parts",
+    "Limits",
     "PixelWaves",
     "Segmentation",
     "Spots",
@@ -197,6 +190,22 @@ class Spots:
 
 
 @dataclass(frozen=True)
+class Limits:
+    """Limits of the model.
+
+    Attributes
+    ----------
+    long_area
+        Largest area of discs on the long axes of the contacts, over the area of the map [-]; load
+        points above it are refused. With lay of 10:1 (shortest wave 8 pixels) it is reached at 9 %
+        of contact, where the load is 24 to 32 % too high; with 20:1 at 5 %, where the load is half
+        as much again too high. Lay of 4:1 has 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
+    """
+
+    long_area: float = 1.9
+
+
+@dataclass(frozen=True)
 class ErrorEstimate:
     """Weights of the terms of the error estimate, by quantile regression on synthetic surfaces so
     that nine in ten errors are below it (``benchmarks/calibrate_estimate.py``).
@@ -257,93 +266,3 @@ class ErrorEstimate:
     unsure_error: float = 0.5
     longest_lay: float = 7.0
     yielded: tuple[float, float] = (8.0, 0.05)
-
-
-@dataclass(frozen=True)
-class Anchors:
-    """Load points at which boundary elements correct and bound a curve of the model
-    (docs/development/verification.md).
-
-    Attributes
-    ----------
-    least_loads
-        Least number of load points for which the model is used.
-    first
-        Number of anchors to begin with: on random waves; on other maps, whose misfit varies less
-        evenly.
-    judge_share
-        Error [-] of boundary elements at anchors, over the accuracy asked for.
-    prior_share
-        Shares [-] of the a-priori estimates of load and area that bound the misfit between anchors,
-        if the estimates held at all anchors.
-    yielded_share
-        Increase of these shares [-], times the plastic share: the load on contacts at the hardness
-        depends on the heights of single summits, so that the misfit does not vary slowly.
-    unknown
-        A-priori estimates of load and area [-] used where the model states none.
-    """
-
-    least_loads: int = 5
-    first: tuple[int, int] = (3, 5)
-    judge_share: float = 0.15
-    prior_share: tuple[float, float] = (0.5, 1.0 / 3.0)
-    yielded_share: tuple[float, float] = (1.0, 0.0)
-    unknown: tuple[float, float] = (0.05, 0.15)
-
-
-@dataclass(frozen=True)
-class Parts:
-    """Parts of a large map on which boundary elements check the model
-    (docs/development/verification.md).
-
-    Attributes
-    ----------
-    least_points
-        Least points along the shorter side of a map that is checked on parts.
-    longest_lay
-        Largest slope across over that along a lay [-], so that contacts stay within parts.
-    coarse
-        Least rms height of the waves that have contacts, over that of all [-] (white noise 0.6,
-        Hurst exponents above 0 more than 0.9).
-    side, points, grid_points
-        Least number of parts along each side; a larger map has more, with at least `points` of the
-        map and `grid_points` of the grid of the plan along the shorter side of a part.
-    loads, judge_share
-        Number of load points at which parts are solved; error of the area there, over the accuracy
-        [-].
-    least_load, heaviest
-        Range of the mean pressure on a part that is solved [-]: the least over that of the map at
-        this load point, the largest over that of the map at its heaviest load point.
-    cover
-        Least load on the solved parts, over the load that one row of parts would carry if all
-        carried alike [-]: with less the parts do not bound the misfit.
-    long_waves, part
-        Share [-] of the mean square height in waves longer than half a part above which these waves
-        are solved on the whole map. Part of the correction, and of the change of the load by the
-        other waves, that may be wrong [-] (root of the squares with the floor).
-    floor, alike, few
-        Bounds of load and area [-], added to the standard error of the mean, over `alike` parts of
-        equal load. For r times fewer parts their squares are (1 + r^`few`)/2 times as large [-].
-    spare, enough
-        Least accuracy over the floor for which parts are tried; bounds over the accuracy at which
-        no more parts are solved [-].
-    """
-
-    least_points: int = 1536
-    longest_lay: float = 3.0
-    coarse: float = 0.87
-    side: int = 4
-    points: int = 512
-    grid_points: int = 75
-    loads: int = 4
-    judge_share: float = 0.05
-    least_load: float = 0.02
-    heaviest: float = 4.0
-    cover: float = 0.4
-    long_waves: float = 1.0 / 3.0
-    part: float = 0.1
-    floor: tuple[float, float] = (0.02, 0.04)
-    alike: int = 4
-    few: float = 2.0
-    spare: float = 1.5
-    enough: float = 0.75
