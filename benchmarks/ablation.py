@@ -32,7 +32,14 @@ from numba import njit
 from numpy.typing import NDArray
 
 from asperity.model import law_factory
-from asperity.parameters import DEFAULTS, ContactShift, Corrections, Parameters, PressedBasins
+from asperity.parameters import (
+    DEFAULTS,
+    ContactShift,
+    Corrections,
+    LawChoice,
+    Parameters,
+    PressedBasins,
+)
 from asperity.results.storage import write_csv
 
 MATTERS = 0.005
@@ -154,7 +161,7 @@ CORRECTIONS = {
         ("asperity.model.law_rows._weight",),
     ),
     "guard of the ellipse law": Correction(
-        replaced(f"{TABLES}.GROSS_DIFFERENCE", np.inf),
+        replace(DEFAULTS, law_choice=LawChoice(gross_difference=np.inf)),
         (
             *(
                 f"{TABLES}.{name}"

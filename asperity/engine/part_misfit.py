@@ -37,9 +37,6 @@ PARTS = DEFAULTS.parts
 SAMPLED_ROWS = 4
 """Every fourth row of a map is taken for the means of its long waves."""
 
-LEAST_PARTS = 3
-"""Parts solved at each load before the bounds are looked at: two tell little of their scatter."""
-
 PARTS_TOGETHER = 2
 """Parts solved between two checks of the bounds, after the first ones. The number does not depend
 on that of the threads, so that results do not either."""
@@ -139,7 +136,7 @@ def misfit_on_parts(
             beside = functools.partial(otherwise, unsure)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     order = np.array([lightest, *best[best != lightest]])
-    found, here = np.full((*shares.shape, 4), np.nan), _first(taken, order, LEAST_PARTS)
+    found, here = np.full((*shares.shape, 4), np.nan), _first(taken, order, PARTS.first)
 
     def solve(place: int) -> None:
         loads, options = here[place], {"long_alone": grid is not None, "tell": place == lightest}
@@ -151,7 +148,7 @@ def misfit_on_parts(
     while len(some):
         parallel.apart(solve, some, beside)
         _, bounds, number = _pooled(found, shares, rate, floor)
-        enough = (number >= LEAST_PARTS) & (bounds <= PARTS.enough * allowed).all(axis=0)
+        enough = (number >= PARTS.first) & (bounds <= PARTS.enough * allowed).all(axis=0)
         taken[some] &= ~here[some]  # a part is solved once, even if it gave nothing
         here = taken & ~enough
         some, beside = order[here[order].any(axis=1)][:PARTS_TOGETHER], None

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from asperity.interaction.newton.state import Problem
 
 
-__all__ = ["CROWDED_AREA", "Start", "descend", "solve_at", "start_of"]
+__all__ = ["Start", "descend", "solve_at", "start_of"]
 
 
 SPARE_CANDIDATES = 1.5
@@ -40,9 +40,6 @@ FIRST_TOLERANCE = 0.1
 
 LACKING_CANDIDATES = 0.05
 """Overlapping summits that a list may lack after a solve, over closed contacts times tolerance."""
-
-CROWDED_AREA = 0.3
-"""Area fraction beyond which a point that does not converge is refused as too crowded."""
 
 RISE_BY_ROUNDING = 1e-9
 """Largest rise of the flat under more load that counts as rounding, over the fall of the flat since
@@ -130,12 +127,13 @@ def solve_at(
             break
         good = None if listed is None else (current, solution)
     reason, share = solution.reason, float(solution.laws.area.sum()) / system.nominal_area
-    if reason and share > CROWDED_AREA:
+    crowded = share > system.parameters.limits.unsettled_area
+    if reason and crowded:
         reason = (
             f"contacts fill {100 * share:.0f} % of the nominal area and do not settle ({reason}): "
             "they are too crowded to be separate"
         )
-    elif settled and not (reason or stands or share > CROWDED_AREA):
+    elif settled and not (reason or stands or crowded):
         reason = f"after {MAX_LISTS} lists the contacts stand elsewhere than their points"
     solution = replace(solution, reason=reason, steps=steps, products=products)
     area = current.areas(system, solution)

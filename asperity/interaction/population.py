@@ -14,14 +14,10 @@ from asperity.interaction.newton.laws import LEAST_BATCH
 from surfaces.errors import as_number
 
 from .contact_system import ContactSystem
-from .coupled_solve import CROWDED_AREA, solve_at, start_of
+from .coupled_solve import solve_at, start_of
 from .population_state import Continuation, PopulationState
 
 __all__ = ["Population", "PopulationState", "handed_on"]
-
-LARGEST_AREA_FRACTION = 0.5
-"""Area fraction beyond which a point is refused: separate contacts no longer describe the surface.
-"""
 
 CONTACTS_EXPONENT = 0.7
 """Number of contacts ~ load^0.7, to forecast which laws will be needed (boundary elements: 0.6 to
@@ -132,10 +128,11 @@ class Population(ContactSystem):
 
     def _unless_crowded(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area
-        if share > LARGEST_AREA_FRACTION:
+        most = self.parameters.limits.area
+        if share > most:
             reason = (
                 f"contacts fill {100 * share:.0f} % of the nominal area, more than the "
-                f"{100 * LARGEST_AREA_FRACTION:.0f} % up to which separate contacts are a model"
+                f"{100 * most:.0f} % up to which separate contacts are a model"
             )
             return state.refused(reason)
         return state
@@ -179,6 +176,7 @@ def reached(
     """
     system = last.system
     first = system.interaction and not last.under_load
+    crowded = system.parameters.limits.unsettled_area * system.nominal_area
     target = _before(last, goal, loaded) if first else goal
     for left in reversed(range(MAX_SOLVES)):
         if not left:  # the goal is then answered from the last point, as well as it can be
@@ -190,7 +188,7 @@ def reached(
         found = solve_at(last, guess, tolerance, pressure, settled=left > 0)
         if found.converged:
             last = found.continuation
-        elif found.contact_area <= CROWDED_AREA * system.nominal_area:
+        elif found.contact_area <= crowded:
             target = _before(last, target, loaded)
             continue
         if target == goal:

@@ -11,6 +11,7 @@ import numpy as np
 
 from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
+from asperity.parameters import DEFAULTS, LawChoice
 from surfaces.arrays import Array, Index
 from surfaces.errors import as_choice
 
@@ -26,22 +27,13 @@ if TYPE_CHECKING:
 __all__ = ["LAWS", "elastic_table", "tabulate"]
 
 
-DOUBTFUL_END = 0.1
-"""Square root of approach over reach. A summit whose expansion ends below it is doubtful."""
-
 COMPARED_SHARES = np.array([0.003, 0.01, 0.03, 0.1])
 """Approaches over the reach at which the laws of a doubtful summit are compared."""
 
-LEVEL_TIP = 2e-3, 0.3
-"""Range of f/r^2 at the first node of a ray, over that at its end, in which a tip counts as level:
-it is 0.004 for r^4, 0.06 for r^3, 0 for a plateau, and about 1 for a summit in noise."""
 
-GROSS_DIFFERENCE = 1.3
-"""Ratio of the forces of `ellipse` and `ritz` beyond which a summit gets `ritz`, which needs no
-polynomial."""
-
-
-def tabulate_auto(profiles: Profiles, material: HalfSpace) -> LawTable:
+def tabulate_auto(
+    profiles: Profiles, material: HalfSpace, choice: LawChoice = DEFAULTS.law_choice
+) -> LawTable:
     """Law table of many profiles: `ellipse`, checked against `ritz` where its expansion ends early.
 
     `ellipse`, the expansion about the optimal ellipse, is the most accurate law wherever a
@@ -55,17 +47,18 @@ def tabulate_auto(profiles: Profiles, material: HalfSpace) -> LawTable:
     the summit gets `ritz`.
     """
     table = ellipse.tabulate(profiles, material)
-    left = table.flags[:, 1 : int(DOUBTFUL_END * table.nodes) + 1] & Flag.BEYOND_RADIUS
+    left = table.flags[:, 1 : int(choice.doubtful_end * table.nodes) + 1] & Flag.BEYOND_RADIUS
     ratio = np.where(profiles.valid & (table.reach == 0), np.inf, 1.0)
     doubtful = np.flatnonzero(left.any(axis=1) & (table.reach > 0))
     if doubtful.size:
         ratio[doubtful] = _worst_ratio(table, doubtful, profiles.rows(doubtful), material)
     tip, end = profiles.q[:, :, 1], profiles.q[:, :, -1]
-    level = np.isinf(ratio) & ((tip > LEVEL_TIP[0] * end) & (tip < LEVEL_TIP[1] * end)).all(axis=1)
+    low, high = choice.level_tip
+    level = np.isinf(ratio) & ((tip > low * end) & (tip < high * end)).all(axis=1)
     harmonic = partial(tabulate_expansion, law="harmonic", nodes=INTERVALS)
     for rows, second in (
         (np.flatnonzero(level), harmonic),
-        (np.flatnonzero(ratio > GROSS_DIFFERENCE), tabulate_ritz),
+        (np.flatnonzero(ratio > choice.gross_difference), tabulate_ritz),
     ):
         carries = table.reach[rows] * table.force[rows, -1] > 0
         without = rows[~(level[rows] & carries)]
@@ -128,10 +121,20 @@ LAWS = tuple(TABULATORS)
 """Names of the laws."""
 
 
-def elastic_table(profiles: Profiles, material: HalfSpace, *, law: str) -> LawTable:
+def elastic_table(
+    profiles: Profiles,
+    material: HalfSpace,
+    *,
+    law: str,
+    choice: LawChoice = DEFAULTS.law_choice,
+) -> LawTable:
     """`tabulate` without the hardness. If the half-space has one, the table holds the bearing areas
-    from which `capped_table` makes the laws with the hardness."""
-    table = TABULATORS[as_choice("law", law, TABULATORS)](profiles, material)
+    from which `capped_table` makes the laws with the hardness. `choice` is that of the law "auto".
+    """
+    tabulated = TABULATORS[as_choice("law", law, TABULATORS)]
+    if tabulated is tabulate_auto:
+        tabulated = partial(tabulate_auto, choice=choice)
+    table = tabulated(profiles, material)
     if material.hardness < math.inf:
         table.bearing = profiles.bearing_areas(table.approach())
     return table

@@ -92,7 +92,8 @@ class LawFactory:
         begun = time.perf_counter()
         sampled = self.summits.rows(rows)
         between = time.perf_counter()
-        table = elastic_table(sampled, self.material, law=self.law)
+        choice = self.parameters.law_choice
+        table = elastic_table(sampled, self.material, law=self.law, choice=choice)
         self._require_top(rows, table)
         if self.shares is not None:
             laws = LawRows(

@@ -57,10 +57,6 @@ while summits are found; for each contact that may close (docs/development/inter
 HEIGHTS_OVER_AREA = 4.0
 """Share of the heights that the flat may pass, over the expected area fraction."""
 
-LEAST_POWER = 3e-3
-"""Least 1 + m of the half-space. Below it a footprint, which has all but 2 % of the compliance of
-its contact, would be a thousand times as wide as the contact: 1.02^(1/(1 + m))."""
-
 QUANTILE_SAMPLE = 2**16
 """Number of heights that a quantile is taken from."""
 
@@ -202,7 +198,7 @@ def make_plan(
     require_scene(hm, material)
     # results need the digest at the end; another thread computes it now, as a solve leaves one idle
     parallel.aside(functools.partial(getattr, hm, "digest"))
-    _require_usable(hm, material)
+    _require_usable(hm, material, parameters.limits.power)
     kind, values = checked_loads(hm, material, pressures, separations)
     edge = chosen_boundary(hm, boundary)
     cell, longest = as_pressed(hm, edge), parameters.error_estimate.longest_lay
@@ -254,8 +250,8 @@ def make_plan(
     )
 
 
-def _require_usable(hm: HeightMap, material: HalfSpace) -> None:
-    if 1.0 + material.m < LEAST_POWER:
+def _require_usable(hm: HeightMap, material: HalfSpace, least_power: float) -> None:
+    if 1.0 + material.m < least_power:
         raise ModelRangeError(
             f"m = {material.m:g} is so near -1 that a contact displaces all others like itself, "
             "which separate contacts do not describe; use boundary elements"

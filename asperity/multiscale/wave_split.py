@@ -40,10 +40,6 @@ Array = NDArray[np.float64]
 EMPTY_RMS = 1e-9
 """Rms height of a finer grid, over that of the map, below which it has lost all waves."""
 
-SURE_BREADTH = 0.9
-"""If the Nayak parameter by some lines of a map is below this part of that at which waves are
-split, the whole spectrum is not computed."""
-
 NARROW_SPECTRUM = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
 
@@ -121,7 +117,7 @@ def split_scales(
     if abs(material.m) > bounds.grading:
         return f"scales: all, the law of fine waves is for |m| <= {bounds.grading:g}"
     broad = bounds.worth * bounds.breadth
-    if fineness(hm) < near_pixel.to_the_pixel and _breadth(hm) < SURE_BREADTH * broad:
+    if fineness(hm) < near_pixel.to_the_pixel and _breadth(hm) < bounds.sure_breadth * broad:
         return NARROW_SPECTRUM
     if not fine_waves_random(hm, near_pixel.kurtosis):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"

@@ -23,6 +23,7 @@ from .corrections import (
 )
 from .model import (
     ErrorEstimate,
+    LawChoice,
     Limits,
     PixelWaves,
     Segmentation,
@@ -39,6 +40,7 @@ __all__ = [
     "ElongationBounds",
     "ErrorEstimate",
     "JoinedPairs",
+    "LawChoice",
     "Limits",
     "Parameters",
     "Parts",
@@ -67,6 +69,9 @@ class Anchors:
     first
         Number of anchors to begin with: on random waves; on other maps, whose misfit varies less
         evenly.
+    loads_each
+        Number of successive load points that boundary elements solve in the time of one anchor,
+        which is solved more accurately, and without a neighbor to start from.
     judge_share
         Error [-] of boundary elements at anchors, over the accuracy asked for.
     prior_share
@@ -81,6 +86,7 @@ class Anchors:
 
     least_loads: int = 5
     first: tuple[int, int] = (3, 5)
+    loads_each: int = 4
     judge_share: float = 0.15
     prior_share: tuple[float, float] = (0.5, 1.0 / 3.0)
     yielded_share: tuple[float, float] = (1.0, 0.0)
@@ -104,6 +110,9 @@ class Parts:
     side, points, grid_points
         Least number of parts along each side; a larger map has more, with at least `points` of the
         map and `grid_points` of the grid of the plan along the shorter side of a part.
+    first
+        Number of parts solved at each load before the bounds are looked at: two tell little of
+        their scatter.
     loads, judge_share
         Number of load points at which parts are solved; error of the area there, over the accuracy
         [-].
@@ -131,6 +140,7 @@ class Parts:
     side: int = 4
     points: int = 512
     grid_points: int = 75
+    first: int = 3
     loads: int = 4
     judge_share: float = 0.05
     least_load: float = 0.02
@@ -234,12 +244,13 @@ class Parameters:
     tilted_basins: TiltedBasins = field(default_factory=TiltedBasins)
     sharp_tips: SharpTips = field(default_factory=SharpTips)
     spots: Spots = field(default_factory=Spots)
+    law_choice: LawChoice = field(default_factory=LawChoice)
+    limits: Limits = field(default_factory=Limits)
     error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
     anchors: Anchors = field(default_factory=Anchors)
     parts: Parts = field(default_factory=Parts)
     run_times: RunTimes = field(default_factory=RunTimes)
     pixel_uncertainty: PixelUncertainty = field(default_factory=PixelUncertainty)
-    limits: Limits = field(default_factory=Limits)
     corrections: Corrections = field(default_factory=Corrections)
 
 

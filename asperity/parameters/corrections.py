@@ -67,12 +67,15 @@ class PressedBasins:
         %.)
     ridge
         Largest ratio of the curvatures [-] of a round summit. (25 %: load 0.4 %, area 0.2 %.)
+    rough_node
+        Last node of the law table at which the expansion of a rough summit ends.
     """
 
     ridge_share: float = 0.03
     plateau_share: float = 0.003
     round_share: float = 0.1
     ridge: float = 5.0
+    rough_node: int = 5
 
 
 @dataclass(frozen=True)

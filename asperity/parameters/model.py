@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 __all__ = [
     "ErrorEstimate",
+    "LawChoice",
     "Limits",
     "PixelWaves",
     "Segmentation",
@@ -77,6 +78,9 @@ class WaveSplit:
         small as contacts. (25 %: load 2.5 %, area 0.7 %.)
     worth
         Least Nayak parameter of the whole map, over `breadth` [-], for which the waves are split.
+    sure_breadth
+        Part [-] of that parameter below which some lines of a map suffice to tell that its waves
+        are not split.
     unresolved_pixels
         Length of a wave [pixels] below which its summits are uncertain. (25 %: load 5.8 %, area 6.0
         %.)
@@ -103,6 +107,7 @@ class WaveSplit:
 
     breadth: float = 14.0
     worth: float = 1.8
+    sure_breadth: float = 0.9
     unresolved_pixels: float = 3.0
     unresolved_slope: float = 0.2
     fewest_waves: float = 50.0
@@ -190,19 +195,53 @@ class Spots:
 
 
 @dataclass(frozen=True)
+class LawChoice:
+    """Summits to which the law "auto" gives another law than "ellipse".
+
+    Attributes
+    ----------
+    doubtful_end
+        Square root of approach over reach [-]: a summit whose expansion ends below it is compared
+        with the law "ritz".
+    gross_difference
+        Ratio of the forces of both laws [-] beyond which such a summit gets "ritz", which needs no
+        polynomial.
+    level_tip
+        Range of f/r^2 at the first node of a ray, over that at its end [-], in which a tip counts
+        as level: it is 0.004 for r^4, 0.06 for r^3, 0 for a plateau, and about 1 for a summit in
+        noise.
+    """
+
+    doubtful_end: float = 0.1
+    gross_difference: float = 1.3
+    level_tip: tuple[float, float] = (2e-3, 0.3)
+
+
+@dataclass(frozen=True)
 class Limits:
-    """Limits of the model.
+    """Limits of the model, beyond which load points are refused.
 
     Attributes
     ----------
     long_area
-        Largest area of discs on the long axes of the contacts, over the area of the map [-]; load
-        points above it are refused. With lay of 10:1 (shortest wave 8 pixels) it is reached at 9 %
-        of contact, where the load is 24 to 32 % too high; with 20:1 at 5 %, where the load is half
-        as much again too high. Lay of 4:1 has 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
+        Largest area of discs on the long axes of the contacts, over the area of the map [-]. With
+        lay of 10:1 (shortest wave 8 pixels) it is reached at 9 % of contact, where the load is 24
+        to 32 % too high; with 20:1 at 5 %, where the load is half as much again too high. Lay of
+        4:1 has 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
+    area
+        Largest contact area over that of the map [-].
+    unsettled_area
+        Largest contact area over that of the map [-] at which contacts that do not settle are tried
+        once more from a lighter load; beyond it they are too crowded to be separate.
+    power
+        Least 1 + m of the half-space [-]. Below it a footprint, which has all but 2 % of the
+        compliance of its contact, would be a thousand times as wide as the contact: 1.02^(1/(1+m)).
     """
 
     long_area: float = 1.9
+    area: float = 0.5
+    unsettled_area: float = 0.3
+    power: float = 3e-3
 
 
 @dataclass(frozen=True)

@@ -45,10 +45,6 @@ ANCHORS = DEFAULTS.anchors
 PRIOR_SHARE = np.array([ANCHORS.prior_share]).T
 YIELDED_SHARE = np.array([ANCHORS.yielded_share]).T
 
-LOADS_PER_ANCHOR = 4
-"""Number of successive load points that boundary elements solve in the time of one anchor: an
-anchor is solved more accurately, and without a neighbor to start from."""
-
 YIELDED_COLUMNS = "plastic_share", "unloading_stiffness"
 """Columns of a curve with a hardness that are corrected too."""
 
@@ -161,7 +157,7 @@ def verified(
         over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
         if len(anchors) == count or over.max() <= 1.0:
             break
-        few = LOADS_PER_ANCHOR * len(anchors) <= count
+        few = ANCHORS.loads_each * len(anchors) <= count
         anchors = halved_intervals(anchors, over) if few else np.arange(count)
     beside = [np.interp(position, position[anchors], row) for row in known[2:]]
     misfit = np.array([load, area, *beside])

@@ -17,10 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["correct", "pressed_slots"]
 
-LEAST_EXPANSION_NODE = 5
-"""Last node of the law table at which the expansion of a smooth summit can fail: a summit whose
-expansion fails here or before counts as rough."""
-
 NODES_BEYOND = np.array([0, 1, 3, 6])
 """Nodes after the first one beyond the expansion, at which the load share is compared."""
 
@@ -46,7 +42,7 @@ def pressed_slots(laws: LawRows) -> Index:
     flat = (top[:, None] - depth)[near]
     slots, depth, first = slots[near], depth[near], first[near]
     steep, shallow = summits.curvature[rows[slots]].T
-    rough = (steep > bounds.ridge * shallow) | (first <= LEAST_EXPANSION_NODE)
+    rough = (steep > bounds.ridge * shallow) | (first <= bounds.rough_node)
     share = np.where(rough, bounds.ridge_share, bounds.round_share)[:, None]
     none = summits.kinds[rows[slots], None] != SUMMIT
     share = np.where(none, bounds.plateau_share, share)

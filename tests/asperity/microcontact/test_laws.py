@@ -11,6 +11,7 @@ from asperity.microcontact import laws, tabulate
 from asperity.microcontact.ellipse import batch as ellipse
 from asperity.microcontact.law_table import INTERVALS
 from asperity.microcontact.ray_laws import tabulate_ritz
+from asperity.parameters import LawChoice
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
 
@@ -29,9 +30,8 @@ def test_summits_that_agree_keep_the_ellipse_law(profiles):
     assert same.mean() > 0.9
 
 
-def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles, monkeypatch):
-    monkeypatch.setattr(laws, "GROSS_DIFFERENCE", 1.0)
-    table = laws.tabulate_auto(profiles, STEEL)
+def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles):
+    table = laws.tabulate_auto(profiles, STEEL, LawChoice(gross_difference=1.0))
     own = ellipse.tabulate(profiles, STEEL)
     other = tabulate_ritz(profiles, STEEL)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
@@ -93,7 +93,6 @@ def test_every_post_of_a_wafer_carries(m):
 def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_most(
     profiles, monkeypatch
 ):
-    monkeypatch.setattr(laws, "GROSS_DIFFERENCE", 1.0)
     tabulated, nodes = tabulate_ritz, INTERVALS
 
     def pulled(*args, **options):
@@ -107,7 +106,7 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
         ellipse.tabulate(profiles, STEEL),
     )
     monkeypatch.setattr(laws, "tabulate_ritz", pulled)
-    table = laws.tabulate_auto(profiles, STEEL)
+    table = laws.tabulate_auto(profiles, STEEL, LawChoice(gross_difference=1.0))
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size
     u = np.arange(nodes + 1) / nodes
