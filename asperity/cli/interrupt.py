@@ -1,22 +1,33 @@
-"""Ctrl-C while code is compiled or objects end: what is raised in such calls is lost."""
+"""Ctrl-C while code is compiled, arrays are handed on or objects end: what is raised in such calls
+is lost, or leaves a lock held."""
 
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 
-CALLED_BACK = {"_raw_object_cache_notify", "_raw_object_cache_getbuffer", "__del__"}
-"""Functions that the compiler and Python call from within: an exception does not leave them."""
+CALLED_BACK = {
+    "_raw_object_cache_notify",
+    "_raw_object_cache_getbuffer",
+    "_numba_unpickle",
+    "__del__",
+}
+"""Functions that compiled code and Python call from within: an exception does not leave them."""
 
-_later = threading.Timer(0.0, signal.raise_signal)
+LOCKING = {"__enter__", "__exit__", "acquire", "release"}
+LOCKS = ("llvmlite", "binding", "ffi.py"), ("numba", "core", "compiler_lock.py")
+"""Methods of the locks of the compiler, and their modules: an exception there leaves the lock held,
+and other threads wait for it for ever."""
 
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Let Ctrl-C reach this program also while code is compiled."""
+    """Let Ctrl-C reach this program wherever it falls."""
     ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if not ours or threading.current_thread() is not threading.main_thread():
         yield
@@ -25,19 +36,26 @@ def interruptible() -> Iterator[None]:
     try:
         yield
     finally:
-        _later.cancel()
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt; once, a moment later, where it would be lost."""
-    global _later
+    """Raise KeyboardInterrupt: here, or in the caller of a frame in which it would do harm."""
+    unsafe = None
     while frame is not None:
-        if frame.f_code.co_name in CALLED_BACK:
-            _later.cancel()
-            _later = threading.Timer(0.05, signal.raise_signal, [number])
-            _later.daemon = True
-            _later.start()
-            return
+        code = frame.f_code
+        locking = code.co_name in LOCKING and Path(code.co_filename).parts[-3:] in LOCKS
+        if locking or code.co_name in CALLED_BACK:
+            unsafe = frame
         frame = frame.f_back
+    if unsafe is None or unsafe.f_back is None:
+        raise KeyboardInterrupt
+    unsafe.f_back.f_trace = _raise
+    sys.settrace(lambda *_: None)
+
+
+def _raise(frame: FrameType, event: str, argument: object) -> None:
+    """Raise KeyboardInterrupt at the next line of a frame, or as it returns; once."""
+    sys.settrace(None)
+    frame.f_trace = None
     raise KeyboardInterrupt

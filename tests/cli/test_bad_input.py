@@ -6,12 +6,15 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from llvmlite import binding
+from llvmlite.binding import ffi
 from refusals import STEEL, good_map, refusal
 
 import surfaces
@@ -255,6 +258,56 @@ def test_an_interrupt_that_comes_while_an_object_ends_is_not_lost():
             time.sleep(5.0)
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_that_comes_as_compiled_code_returns_is_not_lost():
+    """Compiled code makes some results by a function of Python, and ignores what that raises."""
+    code = """
+import signal, sys, threading
+import numpy as np
+from asperity.bem import _grid_kernels
+from asperity.cli import main, report
+
+zeros, least = np.zeros((1000, 1000)), np.zeros((1000, 20))
+
+def run(args):
+    given = zeros, zeros, zeros, least, 1.0
+    _grid_kernels.select(*given)
+    threading.Timer(0.1, signal.raise_signal, [signal.SIGINT]).start()
+    while True:
+        _grid_kernels.select(*given)
+
+report.run = run
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.exit(main.main(["report", "results.h5"]))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.returncode, done.stderr) == (130, "asperity report: interrupted\n")
+
+
+@pytest.mark.parametrize("switch", ["taken", "left"])
+def test_an_interrupt_leaves_no_lock_of_the_compiler_held(switch):
+    """A thread that waits for it would never end, nor the program, which waits for the thread."""
+
+    def interrupted():
+        signal.raise_signal(signal.SIGINT)
+
+    calls = {name: interrupted if name == switch else int for name in ("taken", "left")}
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    ffi.register_lock_callback(*calls.values())
+    try:
+        with pytest.raises(KeyboardInterrupt), interruptible():
+            binding.get_default_triple()
+            time.sleep(5.0)
+    finally:
+        ffi.unregister_lock_callback(*calls.values())
+        signal.signal(signal.SIGINT, before)
+    other = threading.Thread(target=binding.get_default_triple, daemon=True)
+    other.start()
+    other.join(5.0)
+    assert not other.is_alive()
 
 
 def test_a_file_that_another_program_writes_is_not_called_damaged(folder):
