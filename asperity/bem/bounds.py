@@ -67,8 +67,10 @@ def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, 
     On a lattice of equal hills, and on single waves, whole rings of points around all contacts are
     equally far from contact, so that the area changes by steps of many pixels: the largest step
     near the solution counts in full. On random maps points open and close one by one: what counts
-    is how many more of the unsure points would open than close. Under the load of full contact all
-    open points close.
+    is how many more of the unsure points would open than close. At the distance d from the edge of
+    a contact the gap is ~ d^((3-m)/2) and the pressure ~ d^((1+m)/2): with m < 0 hardly a point of
+    the exact contact would open, so that only 1 + m of those that would close count against them.
+    Under the load of full contact all open points close.
     """
     pixels = solution.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
     if pixels == 0.0:
@@ -79,7 +81,8 @@ def area_error(problem: ContactProblem, solution: GridSolution) -> tuple[float, 
     # a point under pressure lies as deep as this pressure alone displaces it
     opens = _by_length(pressure[pressed] * problem.own, far)
     closes = _by_length(gap[~pressed] - reading.level, far)
-    opening, closing = max(opens.max(), opens.sum() - closes.sum()), closes.max()
+    excess = opens.sum() - min(1.0, 1.0 + problem.material.m) * closes.sum()
+    opening, closing = max(opens.max(), excess), closes.max()
     leap = float(max(opening / max(pixels - opening, 1.0), closing / pixels))
     if _mean(problem, solution) >= _full_contact(problem, solution):
         leap = max(leap, problem.finest.heights.size / pixels - 1.0)

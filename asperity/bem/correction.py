@@ -66,16 +66,18 @@ class PoorPredictionError(Exception):
 class PressureOrigin(Enum):
     """Origin of the pressure that the solve of a grid starts from.
 
+    All but any pressure are corrected at least once: of points about the contact that carry next to
+    nothing, which make its area too large, the certificate tells little.
+
     Attributes
     ----------
     GIVEN
         Any pressure.
     PROLONGED
-        Interpolated from a coarser grid. It is corrected at least once: points about the contact
-        that carry next to nothing make its area too large.
+        Interpolated from a coarser grid.
     PREDICTED
-        Extrapolated from the loads before, with its displacement; it may be negative in places. It
-        is corrected at least once, and the first correction needs no transform.
+        Extrapolated from the loads before, with its displacement; it may be negative in places. The
+        first correction needs no transform.
     SOLVED
         Solution of this load at a larger tolerance, with its displacement.
     """
@@ -172,8 +174,7 @@ class NestedGrid:
                 highest_point=self.highest,
             )
             worst = reading.certificate.worst
-            unsure = here in (PressureOrigin.PREDICTED, PressureOrigin.PROLONGED)
-            if worst <= tolerance and not unsure:
+            if worst <= tolerance and here is PressureOrigin.GIVEN:
                 return GridSolution(goal, reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             self._careful = self._careful or idle >= 2

@@ -252,3 +252,25 @@ def _symbol(n: int):
     """Pressure of full contact over the height of each wave, for unit modulus and pixels."""
     q = 2 * np.pi * np.fft.fftfreq(n)
     return 0.5 * np.hypot(*np.meshgrid(q, q))
+
+
+@pytest.mark.parametrize(("m", "seed"), [(-0.5, 1), (-0.5, 8), (-0.7, 6)])
+def test_points_of_hardly_any_pressure_are_no_bound_of_the_area(m, seed):
+    """Round hills on a free body that is softer at depth have many about their contacts: the
+    area was 3.6 % too large at 1.2 % stated, and the same whatever tolerance was asked."""
+    rng, shape = np.random.default_rng(seed), np.array([128, 200])
+    centres = rng.random((40, 2)) * shape
+    heights = np.max([-0.02 * squared_distance(shape, at) for at in centres], axis=0)
+    hm, body = HeightMap(heights, (1.0, 1.0)), HalfSpace.from_modulus(1.0, m)
+    for share in (0.02, 0.05, 0.1, 0.2, 0.4, 0.7):
+        separation = heights.max() - heights.mean() - share * np.ptp(heights)
+        curve = bem_curve(hm, body, separations=[separation], accuracy=(0.05, 0.1))
+        exact = bem_curve(hm, body, pressures=curve.mean_pressure)
+        _, area = errors(curve, exact)
+        assert area[0] <= curve.extra["area_error_estimate"][0]
+
+
+def squared_distance(shape, centre):
+    """Squared distance of the pixels from a centre, the nearest way around the map."""
+    y, x = ((np.arange(n) - at + n / 2) % n - n / 2 for n, at in zip(shape, centre, strict=True))
+    return y[:, None] ** 2 + x**2
