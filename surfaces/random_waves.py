@@ -77,7 +77,7 @@ class RandomWaves:
             )
         _check(
             (self.rms_slope is None) != (self.rms_height is None),
-            "give either rms_slope or rms_height, and not both",
+            "give either rms_slope (--rms-slope) or rms_height (--rms-height), and not both",
         )
         _check(
             0.0 < self._target <= LONGEST_LENGTH,

@@ -105,7 +105,7 @@ def quantities(texts: list[str], kind: str) -> list[float]:
     Raises
     ------
     InputError
-        As `quantity`; and if some have a unit and others, not being 0, have none.
+        As `quantity`; and if some have a unit and others, not being 0 or infinite, have none.
     """
     found = [_WRITTEN.fullmatch(text) for text in texts]
     example = QUANTITIES[kind][1]
@@ -113,7 +113,8 @@ def quantities(texts: list[str], kind: str) -> list[float]:
         if parts is None:
             raise InputError(f"{text[:30]!r} is no {kind}; write one such as {example}")
     pairs = [(parts[1], parts[2] or "") for parts in found if parts is not None]
-    bare = [number for number, unit in pairs if float(number) and not unit]
+    exempt = 0.0, math.inf, -math.inf
+    bare = [number for number, unit in pairs if not unit and float(number) not in exempt]
     if bare and any(unit for _, unit in pairs):
         raise InputError(f"{bare[0]} has no unit and others have one; write one with each number")
     return [_scaled(number, unit, kind) if unit else float(number) for number, unit in pairs]

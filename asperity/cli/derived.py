@@ -37,8 +37,8 @@ def add_derived_options(parser: argparse.ArgumentParser) -> None:
 
 def add_resistivity_option(parser: Any, what: str) -> None:
     """Option of the conductance."""
-    number = quantities.of("plain number")
-    parser.add_argument("--resistivity", nargs=2, type=number, metavar=("RHO1", "RHO2"), help=what)
+    two = quantities.several("plain number", 2)
+    parser.add_argument("--resistivity", **two, metavar=("RHO1", "RHO2"), help=what)
 
 
 def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Namespace) -> None:

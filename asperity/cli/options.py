@@ -52,10 +52,10 @@ def add_surface_options(parser: argparse.ArgumentParser, count: str = "+") -> No
     )
 
 
-def add_material_options(parser: argparse.ArgumentParser, **how: Any) -> None:
-    """Options of the elastic half-space; `how` with ``nargs`` lets each take several values."""
+def add_material_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
+    """Options of the elastic half-space; with `several` each takes several values."""
     group = parser.add_argument_group("material")
-    number, pressure = quantities.of("plain number"), quantities.of("pressure")
+    number, pressure = "plain number", "pressure"
     for name, kind, text in (
         ("--E", pressure, "Young's modulus [Pa], or 210GPa; E0 if graded"),
         ("--nu", number, "Poisson's ratio (default 0.3)"),
@@ -66,8 +66,9 @@ def add_material_options(parser: argparse.ArgumentParser, **how: Any) -> None:
         ("--nu2", number, "its Poisson's ratio (default 0.3)"),
         ("--hardness2", pressure, "its hardness [Pa] (default: no limit)"),
     ):
+        how = quantities.several(kind, "+") if several else {"type": quantities.of(kind)}
         metavar = "P" if kind is pressure else None
-        group.add_argument(name, type=kind, metavar=metavar, help=text, **how)
+        group.add_argument(name, metavar=metavar, help=text, **how)
     parser.set_defaults(m=0.0)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +24,28 @@ def of(kind: str) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(f"{text[:30]}: {error}") from None
 
     return parse
+
+
+def several(kind: str, nargs: int | str) -> dict[str, Any]:
+    """Keywords of an option that takes several quantities of a kind, of which all have a unit or
+    none."""
+
+    class Several(argparse.Action):
+        def __call__(
+            self,
+            parser: argparse.ArgumentParser,
+            namespace: argparse.Namespace,
+            values: Any,
+            option: str | None = None,
+        ) -> None:
+            try:
+                found = units.quantities(values, kind)
+            except InputError as error:
+                text = " ".join(values)[:30]
+                raise argparse.ArgumentError(self, f"{text}: {error}") from None
+            setattr(namespace, self.dest, found)
+
+    return {"nargs": nargs, "action": Several}
 
 
 def whole(things: str = "") -> Callable[[str], int]:

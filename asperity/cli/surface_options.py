@@ -19,7 +19,7 @@ EPILOG = """examples:
 """
 
 
-LENGTH = quantities.of("length")
+SIDES = quantities.several("length", "+")
 
 TEXTURES = ("self-affine", "plateau-honed", "ground", "turned", "two-scale")
 PARAMETERS = {
@@ -91,10 +91,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _file_options(peaks)
     add_preparation(peaks, fill="none")
     finding = peaks.add_argument_group("peaks")
-    finding.add_argument("--above", type=LENGTH, metavar="D", help="only heights above this [m]")
+    finding.add_argument(
+        "--above", type=quantities.of("length"), metavar="D", help="only heights above this [m]"
+    )
     least = finding.add_mutually_exclusive_group()
     least.add_argument(
-        "--min-prominence", type=LENGTH, default=0.0, metavar="D", help="smallest prominence [m]"
+        "--min-prominence",
+        type=quantities.of("length"),
+        default=0.0,
+        metavar="D",
+        help="smallest prominence [m]",
     )
     least.add_argument(
         "--wolf",
@@ -114,7 +120,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
     group.add_argument("--unit", help="unit of the heights if not stated (um, nm; 2.5nm)")
     group.add_argument(
-        "--spacing", type=LENGTH, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
+        "--spacing", **SIDES, metavar="D", help="pixel size DY DX [m], if not stated"
     )
     group.add_argument(
         "--memory",
@@ -153,8 +159,7 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
     )
     parser.add_argument(
         "--bandpass",
-        type=LENGTH,
-        nargs=2,
+        **quantities.several("length", 2),
         metavar=("SHORT", "LONG"),
         help="wavelengths to keep [m] (S and L filter); 0 and inf leave a side open",
     )
@@ -167,9 +172,7 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
     parser.add_argument(
         "--periodic", choices=["mirror", "taper", "smooth", "wrap"], help="make it periodic"
     )
-    parser.add_argument(
-        "--resample", type=LENGTH, nargs="+", metavar="D", help="pixel size to move to: DY DX [m]"
-    )
+    parser.add_argument("--resample", **SIDES, metavar="D", help="pixel size to move to: DY DX [m]")
     parser.add_argument(
         "--crop",
         type=quantities.whole("pixels"),
@@ -223,8 +226,7 @@ def add_generation(parser: Any) -> None:
     )
     parser.add_argument(
         "--size",
-        type=LENGTH,
-        nargs="+",
+        **SIDES,
         default=[1e-3],
         metavar="L",
         help="lengths LY LX [m], or of both sides (default 1 mm)",

@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     planned.error = _refuse  # type: ignore[method-assign]
     for part in (parser, planned):
         options.add_surface_options(part)
-        options.add_material_options(part, nargs="+")
+        options.add_material_options(part, several=True)
         add_solving_options(part)
     parser.set_defaults(planned=planned)
     add_worker_options(parser)

@@ -56,6 +56,8 @@ __all__ = [
 
 SCHEMA = "asperity/1"
 
+MADE_BY = "make one with asperity solve, curve, bem or compare"
+
 LIBRARIES = ("numpy", "scipy", "numba")
 
 ATTRIBUTES = ("model", "version", "settings", "seconds")
@@ -179,7 +181,7 @@ def _results(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, dict[str
     import h5py
 
     if not as_path(path).is_file():
-        raise FileFormatError(f"{path}: no such results file; make one with asperity compare")
+        raise FileFormatError(f"{path}: no such results file; {MADE_BY}")
     try:
         with h5py.File(path, "r") as file:
             text = _read_text(file)
@@ -187,8 +189,7 @@ def _results(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, dict[str
             if schema != SCHEMA:
                 held = "a height map" if "heights" in file else f"of schema {schema!r}"
                 raise FileFormatError(
-                    f"{path} is {held}, no results file of schema {SCHEMA!r}; make one with "
-                    "asperity compare, curve or bem"
+                    f"{path} is {held}, no results file of schema {SCHEMA!r}; {MADE_BY}"
                 )
             yield file, dict(json.loads(text.get("about", "{}")))
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:

@@ -89,7 +89,11 @@ class SurfaceFile:
         self._file = file
         self._dataset = dataset
         self._packing, self._chunks = header.packing, header.chunks
-        self.history = header.history or (self._origin(header.notes),)
+        known = {key for step in header.history for key in step}
+        if known.issuperset(header.notes) and header.history:
+            self.history = header.history
+        else:
+            self.history = self._origin(header.notes), *header.history
 
     def __enter__(self) -> Self:
         return self
@@ -237,7 +241,7 @@ class SurfaceFile:
             return np.asarray(self._dataset[slice(*rows), slice(*columns)])
 
     def _origin(self, notes: Mapping[str, Any]) -> dict[str, Any]:
-        """First step of the history of a map that carries none."""
+        """First step of the history of a map, if it carries none that holds these `notes`."""
         step = {"step": "read", "file": self.path.name, "dataset": self._dataset.name}
         step["unit"] = self.unit
         return step | {key: plain(value) for key, value in notes.items()}

@@ -36,6 +36,10 @@ from .atomic import NOT_HDF5, replacing
 __all__ = ["write_blocks"]
 
 
+ROUNDED = 1e-4
+"""Largest rounding of heights to float32 over their range: without an offset it is 6e-8."""
+
+
 def write_blocks(
     path: str | os.PathLike[str],
     shape: tuple[int, int],
@@ -69,6 +73,8 @@ def write_blocks(
     InputError
         If the shape or the spacing is that of no map, the blocks do not fill it or hold infinities,
         the dtype is another, or the file cannot be written or is named as another format.
+    SurfaceError
+        If float32 would round them to more than 1e-4 of their range, as with a large offset.
 
     Examples
     --------
@@ -111,7 +117,7 @@ def write_blocks(
             values = [as_text(step[key]) for step in steps if key in step]
             if values:
                 heights.attrs[key] = values[0]
-        for row, rows in _whole_chunks(blocks, shape, heights.chunks[0]):
+        for row, rows in _whole_chunks(blocks, shape, heights):
             _write_rows(heights, row, rows)
 
 
@@ -133,9 +139,11 @@ def _write_rows(heights: h5py.Dataset, row: int, rows: Array) -> None:
 
 
 def _whole_chunks(
-    blocks: Iterable[ArrayLike], shape: tuple[int, int], side: int
+    blocks: Iterable[ArrayLike], shape: tuple[int, int], heights: h5py.Dataset
 ) -> Iterator[tuple[int, Array]]:
-    """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
+    """Blocks, checked and cut anew so that each chunk of `heights` is compressed once, with their
+    first rows."""
+    side = heights.chunks[0]
     held, written = np.empty((0, shape[1])), 0
     low, high = np.nan, np.nan
     if not isinstance(blocks, Iterable):
@@ -160,5 +168,11 @@ def _whole_chunks(
             f"the blocks hold {written + len(held)} of {shape[0]} rows; give all of them"
         )
     checked_range(low, high, ())
+    rounding = max(abs(low), abs(high)) * float(np.finfo(heights.dtype).eps)
+    if heights.dtype == np.float32 and rounding > ROUNDED * (high - low) > 0.0:
+        raise SurfaceError(
+            f"float32 would round heights of {max(low, high, key=abs):.3g} m to {rounding:.1g} m, "
+            f"{100 * rounding / (high - low):.1g} % of their range: level the map, or write float64"
+        )
     if len(held):
         yield written, held

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces.errors import SurfaceError, as_choice, as_number
+from surfaces.errors import SurfaceError, as_choice, as_number, shown
 from surfaces.heightmap import HeightMap, require_map
 
 from . import borders, filling, filtering, levelling
@@ -73,7 +73,9 @@ def prepare(
     if not 0.0 <= as_number("fill_limit", fill_limit) < 1.0:
         raise SurfaceError(f"fill_limit is {fill_limit}; it is a fraction from 0 to below 1")
     if bandpass is not None and np.shape(np.asarray(bandpass, dtype=object)) != (2,):
-        raise SurfaceError(f"bandpass is {bandpass!r}; give (shortest, longest) wavelength in m")
+        raise SurfaceError(
+            f"bandpass is {shown(bandpass)}; give (shortest, longest) wavelength in m"
+        )
     if fill == "none" and fill_limit != 0.1:
         raise SurfaceError(
             f"fill_limit is {fill_limit} and nothing is filled: leave it out, or pass "

@@ -185,8 +185,9 @@ def described(hm: HeightMap, wolf: float = 5.0) -> tuple[Statistics, Curves]:
     else:
         hills, waves = features(hm, wolf), density_of(hm)
         spectrum, direction = spectrum_of(waves), math.degrees(texture_direction(waves))
+        near = differences(waves.source)  # without the plane, which no wave holds
         del waves  # as large as the map
-        warnings += _resolution_warning(spectrum.moments, hybrid["Sdq"], hybrid["curvature"])
+        warnings += _resolution_warning(spectrum.moments, near["Sdq"], near["curvature"])
         try:
             fit = fit_spectrum(spectrum)
             warnings += fit.warnings

@@ -104,6 +104,7 @@ def test_two_by_two_map(command, folder, capsys):
         (["--pressure=-1e6:1e7:3"], "positive"),
         (["--E", "-210e9"], "E must be positive"),
         (["--bandpass", "-1e-6", "1e-3"], "wavelengths -1e-06 to 0.001 m"),
+        (["--bandpass", "4um", "30"], "30 has no unit and others have one"),
         (["--crop", "-5", "10", "0", "10"], "rows (-5, 10) are not inside"),
         (["--crop", "0", "1e-4", "0", "1e-4"], "--crop: 1e-4: give a whole number of pixels"),
         (["--resample", "-1e-6"], "must be positive lengths in m"),
@@ -319,6 +320,13 @@ def test_a_file_that_another_program_writes_is_not_called_damaged(folder):
     assert done.returncode == 2 and "another program is writing it" in done.stderr
 
 
+@pytest.mark.parametrize("option", ["--E", "--hardness"])
+def test_all_values_of_a_sweep_have_a_unit_or_none(option, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    told = refusal(["sweep", "scan.h5", option, "210GPa", "70", "-o", "all"], capsys)
+    assert f"{option}: 210GPa 70: 70 has no unit and others have one" in told
+
+
 @pytest.mark.parametrize("option", ["-o", "--csv", "--plot", "--table"])
 def test_a_file_without_a_name_is_not_silently_left_out(option, folder, capsys):
     surfaces.write(good_map(), folder / "scan.h5")
@@ -342,7 +350,7 @@ def test_unknown_command(capsys):
 def test_report_of_something_else(folder, capsys):
     surfaces.write(good_map(), folder / "scan.h5")
     told = refusal(["report", "scan.h5"], capsys)
-    assert "is a height map, no results file" in told and "asperity compare" in told
+    assert "is a height map, no results file" in told and "asperity solve" in told
     assert "no such results file" in refusal(["report", "absent.h5"], capsys)
 
 

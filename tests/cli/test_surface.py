@@ -113,7 +113,7 @@ def test_generate_textures(tmp_path: Path, words: str) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["generate", "-o", "a.h5"], "give either rms_slope or rms_height"),
+        (["generate", "-o", "a.h5"], "give either rms_slope (--rms-slope) or rms_height"),
         (["generate", "--feed", "1", "-o", "a.h5"], "--feed does not belong to self-affine"),
         (["generate", "--texture", "turned", "-o", "a.h5"], "turned needs --feed"),
         (

@@ -142,9 +142,21 @@ def test_attributes_in_arrays_of_one_are_read(stored: Path, wrap) -> None:
     with h5py.File(stored, "r+") as file:
         file["heights"].attrs["source"] = h5py.Empty("S1")
     hm = surfaces.read(stored)
-    assert (hm.name, hm.periodic, hm.history) == ("scan", True, ({"step": "a"},))
+    assert (hm.name, hm.periodic, hm.history[-1]) == ("scan", True, {"step": "a"})
     np.testing.assert_allclose(hm.heights, bumps().heights * 1e-6)
     assert surfaces.validate(stored) == []
+
+
+def test_a_history_does_not_hide_what_else_the_file_tells(stored: Path, tmp_path: Path) -> None:
+    edit(stored, history='[{"step": "level"}]', instrument="AFM 3")
+    with h5py.File(stored, "r+") as file:
+        file["heights"].attrs["operator"] = "me"
+    hm = surfaces.read(stored)
+    first, last = hm.history
+    assert (first["step"], first["instrument"], first["operator"]) == ("read", "AFM 3", "me")
+    assert last == {"step": "level"}
+    surfaces.write(hm, tmp_path / "again.h5")
+    assert surfaces.read(tmp_path / "again.h5").history == hm.history
 
 
 def test_explicit_options_stand_in_for_missing_attributes(stored: Path) -> None:

@@ -104,6 +104,17 @@ def test_arguments_of_no_map_are_refused(tmp_path: Path, argument: str, value, m
     assert list(tmp_path.iterdir()) == []
 
 
+def test_float32_is_refused_where_an_offset_takes_its_digits(tmp_path: Path) -> None:
+    """Heights of 20 nm at 50 mm had a curvature twice theirs."""
+    hm = surfaces.self_affine((32, 40), (32e-6, 40e-6), hurst=0.8, rms_height=2e-8, seed=1)
+    high = hm.replace(heights=hm.heights + 0.05)
+    surfaces.write(high, tmp_path / "b.h5")
+    surfaces.write(hm, tmp_path / "c.h5", dtype="float32")
+    with pytest.raises(SurfaceError, match="float32 would round heights"):
+        surfaces.write(high, tmp_path / "d.h5", dtype="float32")
+    assert not (tmp_path / "d.h5").exists()
+
+
 def test_whole_numbers_of_points_may_be_floats(tmp_path: Path) -> None:
     surfaces.write_blocks(tmp_path / "b.h5", (4.0, 4.0), 1e-6, [np.eye(4)])
     assert surfaces.read(tmp_path / "b.h5").shape == (4, 4)

@@ -159,6 +159,15 @@ def test_bearing_curve_of_known_distributions() -> None:
     assert core["Spk"] == pytest.approx(core["Svk"], rel=0.05)
 
 
+def test_a_tilt_is_no_spike() -> None:
+    """The plane has a slope, but no wave: the spectrum is that of the map without it."""
+    level = rough(cutoff=6e-5).replace(periodic=False)
+    steep = level.replace(heights=level.heights + 0.5 * level.x)
+    told = surfaces.describe(steep).warnings
+    assert any("a plane makes up" in text for text in told)
+    assert not any("spikes" in text for text in told)
+
+
 def test_warnings_name_what_is_wrong() -> None:
     hm = rough().replace(periodic=False)
     heights = hm.heights + 0.05 * hm.x

@@ -67,7 +67,7 @@ def test_words_may_be_plural_and_capital(unit):
 
 
 def test_all_of_a_list_have_units_or_none():
-    assert quantities(["0", "2um"], "length") == [0.0, 2e-6]
+    assert quantities(["0", "2um", "inf"], "length") == [0.0, 2e-6, math.inf]
     with pytest.raises(InputError, match="2 has no unit and others have one"):
         quantities(["2", "200MPa"], "pressure")
 
