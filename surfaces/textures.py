@@ -6,7 +6,7 @@ import numpy as np
 
 from surfaces.arrays import Array
 
-from .errors import InputError
+from .errors import LARGEST_NUMBER, LONGEST_LENGTH, InputError
 from .heightmap import HeightMap
 from .synthesis import self_affine, synthesis
 
@@ -199,10 +199,10 @@ def turned(
     >>> len(surfaces.segment(hm)) > 0
     True
     """
-    if not 0.0 < feed <= 2.0 * nose_radius < np.inf:
+    if not 0.0 < feed <= 2.0 * nose_radius <= LONGEST_LENGTH:
         raise InputError(
             f"feed is {feed} and nose_radius is {nose_radius}; give a positive feed of at most "
-            "twice the nose radius, and both finite"
+            f"twice the nose radius, and that of up to {LONGEST_LENGTH:g} m"
         )
     if not roughness >= 0.0:
         raise InputError(f"roughness is {roughness}; it must be a height of at least 0 m")
@@ -308,8 +308,8 @@ def two_scale(
 
 def _check_share(fine: float) -> None:
     """Refuse a relative rms height of the fine roughness that is none."""
-    if not 0.0 <= fine < np.inf:
-        raise InputError(f"fine is {fine}; it must be a share of at least 0, and finite")
+    if not 0.0 <= fine <= LARGEST_NUMBER:
+        raise InputError(f"fine is {fine}; it must be a share from 0 to {LARGEST_NUMBER:g}")
 
 
 def _filtered(heights: Array, size: tuple[float, float], shortest: float, longest: float) -> Array:

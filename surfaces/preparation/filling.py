@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -22,8 +23,8 @@ __all__ = ["fill_missing", "middle", "quick_fill", "replaced"]
 _BYTES = 400
 """Memory that a missing point takes while it is filled."""
 
-_SIDE = 8
-"""Side [pixels] of the blocks on which conjugate gradients are preconditioned."""
+_BLOCK = 64
+"""Pixels in the blocks on which conjugate gradients are preconditioned."""
 
 _STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 """Rows and columns from a point to its neighbors."""
@@ -118,8 +119,8 @@ def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
         if ready.size:
             largest = max(largest, int(np.bincount(gap[ready]).max()))
             place = places[ready]
-            points = np.divmod(place, hm.shape[1])
-            heights = _by_gradients(matrix[ready][:, ready], right[ready], points)
+            blocks = _blocks(hm, place)
+            heights = _by_gradients(matrix[ready][:, ready], right[ready], blocks)
             solved.append((place, heights + level))
         waiting = waits[gap]
         places, around = places[waiting], around[:, waiting]
@@ -170,16 +171,27 @@ def _equations(
     return matrix.tocsc(), right, unmet
 
 
-def _by_gradients(matrix: csc_matrix, right: Array, points: tuple[Index, Index]) -> Array:
-    """Solution by conjugate gradients, of points in some rows and columns.
+def _blocks(hm: HeightMap, places: Index) -> Index:
+    """Number of the block that each of some points lies in: blocks of about `_BLOCK` pixels that
+    are square in metres, since the points of the shorter spacing hang together most."""
+    rows, columns = (
+        axis // max(1, round(math.sqrt(_BLOCK * other / own)))
+        for axis, own, other in zip(
+            np.divmod(places, hm.shape[1]), hm.spacing, hm.spacing[::-1], strict=True
+        )
+    )
+    return np.asarray(rows * (columns.max() + 1) + columns)
+
+
+def _by_gradients(matrix: csc_matrix, right: Array, blocks: Index) -> Array:
+    """Solution by conjugate gradients, of points in some blocks.
 
     Notes
     -----
-    Preconditioned by the points alone and by their sums over square blocks of `_SIDE` pixels, which
-    takes some hundred rounds for a gap of any size.
+    Preconditioned by the points alone and by their sums over the blocks, which takes some hundred
+    rounds for a gap of any size.
     """
-    rows, columns = (axis // _SIDE for axis in points)
-    block = np.unique(rows * (columns.max() + 1) + columns, return_inverse=True)[1]
+    block = np.unique(blocks, return_inverse=True)[1]
     spread = csr_matrix((np.ones(len(right)), block, np.arange(len(right) + 1)))
     coarse = splu((spread.T @ matrix @ spread).tocsc(), permc_spec="MMD_AT_PLUS_A")
     diagonal = matrix.diagonal()
