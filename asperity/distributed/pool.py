@@ -22,7 +22,8 @@ from concurrent.futures import (
 )
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing import forkserver, get_context, parent_process
+from multiprocessing import active_children, forkserver, get_context, parent_process
+from multiprocessing.process import BaseProcess
 from typing import Any, Protocol
 
 from asperity.errors import AsperityError, InputError
@@ -108,7 +109,7 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
     here than there are jobs. Refused if no scheduler answers, or Dask is needed and not
     installed."""
     count = min(on.count or max(1, available() // on.threads), jobs)
-    method = _start_method() if on.scheduler is None else ""
+    method, known = _start_method() if on.scheduler is None else "", active_children()
     try:
         import dask
         import distributed
@@ -119,7 +120,7 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
                 f"installed; {INSTALL}"
             ) from None
         _tell(f"dask.distributed is not installed: a pool of {count} processes; {INSTALL}")
-        with closing(_Processes(count, method)) as pool:
+        with closing(_Processes(count, method)) as pool, _ended_at_once(known):
             yield pool
         return
     with ExitStack() as stack:
@@ -148,7 +149,20 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
                 f"no Dask scheduler answers at {where} ({' '.join(str(error).split())}); start "
                 "one by `dask scheduler`, and workers by `dask worker ADDRESS --nthreads 1`"
             ) from error
-        yield _Dask(client)
+        with _ended_at_once(known):
+            yield _Dask(client)
+
+
+@contextmanager
+def _ended_at_once(known: list[BaseProcess]) -> Iterator[None]:
+    """After Ctrl-C end the workers here, all child processes but the `known` ones: asked to, they
+    would end their jobs before."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        for process in set(active_children()).difference(known):
+            process.terminate()
+        raise
 
 
 def _start_method() -> str:

@@ -265,6 +265,24 @@ def test_bad_arguments_are_refused_in_one_sentence(change, match, tmp_path):
         asperity.sweep(given.pop("surfaces"), **given)
 
 
+def late(begun, ended):
+    """A job during which the run is interrupted."""
+    begun.touch()
+    time.sleep(2.0)
+    ended.touch()
+
+
+def test_an_interrupt_waits_for_no_job(engine, tmp_path):
+    begun, ended = tmp_path / "begun", tmp_path / "ended"
+    with pytest.raises(KeyboardInterrupt), opened(Workers(1), 1) as pool:
+        pool.submit(late, begun, ended)
+        while not begun.exists():
+            time.sleep(0.02)
+        raise KeyboardInterrupt
+    time.sleep(2.0)
+    assert not ended.exists()
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="workers are forked on Linux only")
 def test_an_interrupt_while_workers_start_ends_the_run(monkeypatch):
     """It was lost, and the run went on to its end."""
