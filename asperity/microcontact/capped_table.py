@@ -30,6 +30,12 @@ cache."""
 FINER_NODES = 2
 """Number of elastic approaches from which a capped law is made, over the nodes of the table."""
 
+WIDER_LEVELS = 12
+"""Number of elastic contacts that are larger than the one at the reach."""
+
+LEAST_WIDENING = 1e-3
+"""Increase of the root of the area of these where the basin is full at the reach."""
+
 FURTHER_APPROACH = 0.1
 """Approach beyond the reach, over the reach, at which the stiffness of a filled basin is measured:
 it is zero at the hardness."""
@@ -56,6 +62,10 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     the displacement of the capped edge is derived from it. In the limit of a soft body the approach
     is the depth at which the bearing area is the contact area, whatever the law.
 
+    Some basins are not full where their elastic laws end: those pressed alone, and those whose rays
+    end at other heights. A contact that yields goes on to fill them, as the elastic law would with
+    the powers of its tip, until its own approach is the reach.
+
     A capped force grows with the approach, but need not be convex in it: the coupled problem is one
     of forces, whose energy has the Hessian diag(dd/dF) plus the interaction of footprints, and is
     convex where every force grows (docs/development/half_space.md).
@@ -76,35 +86,49 @@ def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) ->
     nodes = table.nodes
     levels = FINER_NODES * nodes
     u = np.append(np.arange(1, levels + 1) / levels, (1.0 + FURTHER_APPROACH) ** 0.5)
-    elastic = table.reach[rows, None] * np.square(u)
+    elastic, p = table.reach[rows, None] * np.square(u), table.exponent
     force, stiffness, area = table.evaluate(rows[:, None], elastic)
+    widening = np.maximum(np.sqrt(table.bearing[rows, -1] / area[:, -2]) - 1.0, LEAST_WIDENING)
+    wider = 1.0 + widening[:, None] * (np.arange(1, WIDER_LEVELS + 1) / WIDER_LEVELS)
+    elastic, force, stiffness, area = (
+        np.hstack((known[:, :-1], known[:, -2:-1] * wider**power, known[:, -1:]))
+        for known, power in ((elastic, 2.0), (force, p), (stiffness, p - 2.0), (area, 2.0))
+    )
     level = depths_of(table.bearing[rows], table.approach()[rows], area)
     found = capped(elastic, force, area, stiffness, material, level=level)
-    filled = (found.force[:, -1] - found.force[:, -2]) / (FURTHER_APPROACH * table.reach[rows])
+    filled = (found.force[:, -1] - found.force[:, levels - 1]) / (
+        FURTHER_APPROACH * table.reach[rows]
+    )
     elastic, approach, capped_force, force, stiffness, area = (
         column[:, :-1] for column in (elastic, found.approach, found.force, force, stiffness, area)
     )
     late = np.flatnonzero((capped_force < (1.0 - LEAST_YIELD) * force).any(axis=1))
     if not late.size:
         return
-    rows, approach = rows[late], approach[late]
+    rows, approach = rows[late], _rising(approach[late], elastic[late])
     columns = [np.maximum.accumulate(capped_force[late], axis=1), area[late], stiffness[late]]
     columns.append(columns[0] / force[late] * approach)
     if table.centre is not None:
-        node = np.arange(levels) // FINER_NODES
-        share = u[:-1] * nodes - node
+        node = np.minimum(np.arange(approach.shape[1]) // FINER_NODES, nodes - 1)
+        share = np.pad(u[:-1], (0, WIDER_LEVELS), "edge") * nodes - node
         for old in np.moveaxis(table.centre[rows], 2, 0):
             columns.append(approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
-    reach, values, slope = resample(elastic[late], approach, np.stack(columns), nodes)
+    reach = np.clip(table.reach[rows], approach[:, levels - 1], approach[:, -1])
+    values, slope = resample(approach, np.stack(columns), nodes, reach)
+    places = reach[:, None] * (np.arange(nodes + 1) / nodes) ** 2
+    below = count_below(approach, places * (1.0 - ROUNDING))
+    node = np.where(places > 0.0, np.minimum(below // FINER_NODES + 1, nodes), 0)
+    result.flags[rows], result.spread[rows] = (
+        known[rows[:, None], node] for known in (table.flags, table.spread)
+    )
     slope[:, -1] = np.minimum(slope[:, -1], filled[late])
     result.reach[rows], result.force[rows], result.stiffness[rows] = reach, values[0], slope
     result.area[rows] = np.maximum(values[1], values[0] / material.hardness)
-    places = reach[:, None] * (np.arange(1, nodes + 1) / nodes) ** 2
     assert result.elastic is not None
-    result.elastic[rows, 1:, 0] = values[3, :, 1:] / places
+    result.elastic[rows, 1:, 0] = values[3, :, 1:] / places[:, 1:]
     result.elastic[rows, :, 1] = values[2]
     if result.centre is not None:
-        result.centre[rows, 1:] = np.moveaxis(values[4:, :, 1:] / places, 0, 2)
+        result.centre[rows, 1:] = np.moveaxis(values[4:, :, 1:] / places[:, 1:], 0, 2)
 
 
 def depths_of(bearing: Array, depth: Array, area: Array) -> Array:
@@ -124,23 +148,26 @@ def depths_of(bearing: Array, depth: Array, area: Array) -> Array:
     return np.asarray((start + np.minimum(share, 1.0) * (end - start)) ** 2)
 
 
-def resample(
-    elastic: Array, approach: Array, columns: Array, nodes: int
-) -> tuple[Array, Array, Array]:
-    """Interpolate columns of law tables, given at the approaches of each row, to the nodes.
-
-    Returns the last approaches (n,), values (c, n, nodes + 1) from `columns` (c, n, levels), of
-    which the first is the force, and the slope of the force (n, nodes + 1). Force over approach is
-    a cubic in the root of the approach, through the four nearest levels. Between two levels that
-    are more than a node apart, or whose forces do not enclose the cubic, the force is linear in the
-    approach, as are the other columns. Approaches first get an increase of at least `LEAST_RISE` of
-    the `elastic` one.
-    """
-    levels, rows = approach.shape[1], np.arange(len(approach))[:, None]
+def _rising(approach: Array, elastic: Array) -> Array:
+    """Approaches with an increase from level to level of at least `LEAST_RISE` of the `elastic`
+    one."""
     least = LEAST_RISE * elastic
-    x = least + np.maximum.accumulate(np.maximum(approach - least, 0.0), axis=1)
+    return np.asarray(least + np.maximum.accumulate(np.maximum(approach - least, 0.0), axis=1))
+
+
+def resample(x: Array, columns: Array, nodes: int, reach: Array) -> tuple[Array, Array]:
+    """Interpolate columns of law tables, given at rising approaches `x`, (n, levels), to the nodes
+    up to a `reach`, (n,), that the last of these are not below.
+
+    Returns values (c, n, nodes + 1) from `columns` (c, n, levels), of which the first is the force,
+    and the slope of the force (n, nodes + 1). Force over approach is a cubic in the root of the
+    approach, through the four nearest levels. Between two levels that are more than a node apart,
+    or whose forces do not enclose the cubic, the force is linear in the approach, as are the other
+    columns.
+    """
+    levels, rows = x.shape[1], np.arange(len(x))[:, None]
     root = np.sqrt(x)
-    u = root[:, -1:] * (np.arange(1, nodes + 1) / nodes)
+    u = np.sqrt(reach)[:, None] * (np.arange(1, nodes + 1) / nodes)
     before = count_below(root, u * (1.0 - ROUNDING))
     four = np.clip(before - 2, 0, levels - 4)[..., None] + np.arange(4)
     near = columns[0][rows[..., None], four] / x[rows[..., None], four]
@@ -152,7 +179,7 @@ def resample(
     start, low, high = x[rows, j], columns[:, rows, j], columns[:, rows, j + 1]
     rate = (high - low) / (x[rows, j + 1] - start)
     beyond = u * u - start
-    wide = (root[rows, j + 1] - root[rows, j]) * nodes > root[:, -1:]
+    wide = (root[rows, j + 1] - root[rows, j]) * nodes > u[:, -1:]
     within = np.clip(force, low[0], high[0])
     enclosed = (np.abs(force - within) <= ROUNDING * high[0]) & (slope > 0.0)
     plain = (wide | ~enclosed) & (root[rows, j] <= u)
@@ -160,4 +187,4 @@ def resample(
     values = np.minimum(u * u / x[:, :1], 1.0) * (low + rate * np.maximum(beyond, 0.0))
     values[0] = np.where(plain, low[0] + rate[0] * beyond, within)
     slope = np.where(plain, rate[0], slope)
-    return x[:, -1], np.pad(values, ((0, 0), (0, 0), (1, 0))), np.pad(slope, ((0, 0), (1, 0)))
+    return np.pad(values, ((0, 0), (0, 0), (1, 0))), np.pad(slope, ((0, 0), (1, 0)))

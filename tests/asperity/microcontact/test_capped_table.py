@@ -58,6 +58,16 @@ def test_soft_summits_are_pressed_as_their_bearing_areas_tell(profiles):
     assert np.median(area * hardness / force) < 1.01
 
 
+@pytest.mark.parametrize("m", [-0.4, 0.0, 0.4])
+def test_a_soft_summit_fills_its_basin(profiles, m):
+    """One in ten laws ended at nine tenths of it and less; basins pressed alone at half."""
+    hardness = 1e-6
+    table = tabulate(profiles, body(hardness, m), law="auto")
+    basin = 0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1)
+    full = table.force[:, -1] / (hardness * basin)
+    assert full[table.reach > 0] == pytest.approx(1.0, abs=0.01)
+
+
 def test_units_do_not_matter(profiles):
     one = tabulate(profiles, body(0.03), law="auto")
     stiff = tabulate(
