@@ -27,6 +27,13 @@ TIED = 1.0 + 1e-9
 _ROUNDING = 1e-7
 """Share of all amplitudes that is rounding."""
 
+_RAYS = 180
+"""Directions in which the amplitudes are summed."""
+
+_SPREAD = 2
+"""Wave numbers of the map over which a wave counts to either side: as far as a Hann window spreads
+it."""
+
 
 @dataclass(frozen=True)
 class Density:
@@ -133,25 +140,47 @@ def texture_direction(waves: Density) -> float:
 
     Notes
     -----
-    ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
-    of one degree; the mean direction in the largest, of equal ones the first. It is that of the
-    wave vectors, ccw from +x to +y, across the lay; NaN of a plane, and where all waves lie beyond.
+    ISO 25178-2:2021, 4.3: amplitudes times wave numbers, integrated along the ray of each degree up
+    to the largest full ring. Each wave counts on the rays on both sides of it, in proportion to
+    their nearness, up to two pixels of the spectrum away, or a degree where that is more: the few
+    longest waves do not decide by the directions in which they happen to lie. Std is the direction
+    of the sum of these wave vectors at the largest ray, of equal ones the first; ccw from +x to +y,
+    across the lay; NaN of a plane, and where all waves lie beyond.
     """
+    degree = np.pi / _RAYS
+    rays = degree * np.arange(_RAYS)
+    spread_y, spread_x = (_SPREAD * 2.0 * np.pi / length for length in waves.source.size)
+    widths = spread_x * np.abs(np.sin(rays)) + spread_y * np.abs(np.cos(rays))
+    limit = TIED * np.pi / max(waves.source.spacing)
 
-    def sectors(part: slice, density: Array) -> Array:
+    def sums(part: slice, density: Array) -> Array:
         qy, qx = wave_numbers(waves, part)
-        q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
-        amplitude = np.sqrt(density) * waves.weight
-        amplitude[q == 0.0] = 0.0
-        sector = np.round(np.degrees(angle)).astype(np.int64)
-        angle -= np.radians(sector)
-        sector %= 180
-        sector[q > TIED * np.pi / max(waves.source.spacing)] = 180
-        values = amplitude, amplitude * angle
-        return np.stack([np.bincount(sector.ravel(), v.ravel(), 181) for v in values])
+        q, amplitude = np.hypot(qy[:, None], qx), np.sqrt(density) * waves.weight
+        held = (q > 0.0) & (q <= limit)
+        found = np.zeros((2, _RAYS + 1))
+        found[0, _RAYS] = amplitude[q > limit].sum()
+        angle = np.arctan2(qy[:, None], qx)[held] % np.pi
+        q, amplitude = q[held], amplitude[held]
+        below = np.floor(angle / degree).astype(np.int64)
+        reach = np.ceil(np.arcsin(np.minimum(np.hypot(spread_y, spread_x) / q, 1.0)) / degree)
+        for step in range(_RAYS // 2):  # the rays to either side, from the nearest
+            near = reach > step
+            if not near.any():
+                break
+            q, amplitude, angle, below, reach = (
+                each[near] for each in (q, amplitude, angle, below, reach)
+            )
+            for ray in (below - step, below + step + 1):
+                away, index = angle - ray * degree, ray % _RAYS
+                along, across = q * np.cos(away), q * np.sin(away)
+                width = np.maximum(widths[index], along * np.tan(degree))
+                share = amplitude * np.maximum(1.0 - np.abs(across) / width, 0.0) / width
+                for total, vector in zip(found, (along, across), strict=True):
+                    total[:_RAYS] += np.bincount(index, share * vector, _RAYS)
+        return found
 
-    (*total, beyond), moment = sum(over_rows(sectors, waves.values), np.zeros((2, 181)))
-    most = int(np.argmax(np.multiply(total, TIED) >= max(total)))
-    if sum(total) <= _ROUNDING * beyond:
+    (*along, beyond), across = sum(over_rows(sums, waves.values), np.zeros((2, _RAYS + 1)))
+    if degree * sum(along) <= _ROUNDING * beyond:
         return np.nan
-    return float((np.radians(most) + moment[most] / total[most]) % np.pi % np.pi)
+    most = int(np.argmax(np.multiply(along, TIED) >= max(along)))
+    return float((rays[most] + np.arctan2(across[most], along[most])) % np.pi % np.pi)

@@ -148,7 +148,10 @@ def test_the_error_of_the_bearing_curve_falls_with_the_pixel(name: str) -> None:
 
 
 def test_three_waves_in_resonance() -> None:
-    """Moments of waves of which one is the sum of two others; the texture is that of the first."""
+    """Moments of waves of which one is the sum of two others.
+
+    The texture is that of the second, whose amplitude times wave number is the largest.
+    """
     amplitudes, phases = np.array([3.0, 2.0, 1.0]) * 1e-7, (0.3, 1.1, 0.9)
     periods = np.array([(2, 3), (5, -1), (7, 2)])
     hm = surfaces.HeightMap(np.zeros((60, 44)), (1e-6, 2e-6), periodic=True)
@@ -163,7 +166,7 @@ def test_three_waves_in_resonance() -> None:
     assert found["Sq"] == pytest.approx(math.sqrt(square), rel=1e-12)
     assert found["Ssk"] == pytest.approx(third / square**1.5, rel=1e-10)
     assert found["Sku"] == pytest.approx(fourth / square**2, rel=1e-10)
-    across = math.degrees(math.atan2(2 / hm.size[0], 3 / hm.size[1]))
+    across = math.degrees(math.atan2(5 / hm.size[0], -1 / hm.size[1]))
     assert found["Std"] == pytest.approx(across, abs=1e-6)
 
 
