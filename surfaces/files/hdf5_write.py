@@ -37,7 +37,7 @@ __all__ = ["write_blocks"]
 
 
 ROUNDED = 1e-4
-"""Largest rounding of heights to float32 over their range: without an offset it is 6e-8."""
+"""Largest change of heights by float32 over their range: without an offset it is 3e-8."""
 
 
 def write_blocks(
@@ -74,7 +74,7 @@ def write_blocks(
         If the shape or the spacing is that of no map, the blocks do not fill it or hold infinities,
         the dtype is another, or the file cannot be written or is named as another format.
     SurfaceError
-        If float32 would round them to more than 1e-4 of their range, as with a large offset.
+        If float32 would change them by more than 1e-4 of their range, as with a large offset.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def _whole_chunks(
     first rows."""
     side = heights.chunks[0]
     held, written = np.empty((0, shape[1])), 0
-    low, high = np.nan, np.nan
+    low, high, rounded = np.nan, np.nan, 0.0
     if not isinstance(blocks, Iterable):
         raise InputError(f"blocks is {shown(blocks)}; give the heights in blocks of whole rows")
     for block in blocks:
@@ -155,6 +155,10 @@ def _whole_chunks(
             raise SurfaceError(f"block at row {row} holds infinite heights; mark missing with NaN")
         low = float(np.fmin.reduce(rows, axis=None, initial=low))
         high = float(np.fmax.reduce(rows, axis=None, initial=high))
+        if heights.dtype != rows.dtype:
+            with np.errstate(over="ignore"):
+                lost = np.abs(rows - rows.astype(heights.dtype))
+            rounded = float(np.fmax.reduce(lost, axis=None, initial=rounded))
         if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:
             raise SurfaceError(f"block at row {row} has shape {rows.shape} in a map of {shape}")
         held = np.concatenate([held, rows]) if len(held) else rows
@@ -168,11 +172,11 @@ def _whole_chunks(
             f"the blocks hold {written + len(held)} of {shape[0]} rows; give all of them"
         )
     checked_range(low, high, ())
-    rounding = max(abs(low), abs(high)) * float(np.finfo(heights.dtype).eps)
-    if heights.dtype == np.float32 and rounding > ROUNDED * (high - low) > 0.0:
+    if rounded > ROUNDED * (high - low) > 0.0:
         raise SurfaceError(
-            f"float32 would round heights of {max(low, high, key=abs):.3g} m to {rounding:.1g} m, "
-            f"{100 * rounding / (high - low):.1g} % of their range: level the map, or write float64"
+            f"{heights.dtype} would change heights of {max(low, high, key=abs):.3g} m by up to "
+            f"{rounded:.1g} m, {100 * rounded / (high - low):.1g} % of their range: level the map, "
+            "or write float64"
         )
     if len(held):
         yield written, held
