@@ -30,7 +30,7 @@ cache."""
 FINER_NODES = 2
 """Number of elastic approaches from which a capped law is made, over the nodes of the table."""
 
-WIDER_LEVELS = 12
+WIDER_LEVELS = 6
 """Number of elastic contacts that are larger than the one at the reach."""
 
 LEAST_WIDENING = 1e-3
