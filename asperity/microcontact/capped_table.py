@@ -84,21 +84,12 @@ def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) ->
     """Write the capped laws of the `rows` of a table into `result`, which holds elastic laws."""
     assert table.bearing is not None
     nodes = table.nodes
-    levels = FINER_NODES * nodes
-    u = np.append(np.arange(1, levels + 1) / levels, (1.0 + FURTHER_APPROACH) ** 0.5)
-    elastic, p = table.reach[rows, None] * np.square(u), table.exponent
-    force, stiffness, area = table.evaluate(rows[:, None], elastic)
-    widening = np.maximum(np.sqrt(table.bearing[rows, -1] / area[:, -2]) - 1.0, LEAST_WIDENING)
-    wider = 1.0 + widening[:, None] * (np.arange(1, WIDER_LEVELS + 1) / WIDER_LEVELS)
-    elastic, force, stiffness, area = (
-        np.hstack((known[:, :-1], known[:, -2:-1] * wider**power, known[:, -1:]))
-        for known, power in ((elastic, 2.0), (force, p), (stiffness, p - 2.0), (area, 2.0))
-    )
+    at_reach = FINER_NODES * nodes - 1
+    elastic, force, stiffness, area = _elastic_states(table, rows)
     level = depths_of(table.bearing[rows], table.approach()[rows], area)
     found = capped(elastic, force, area, stiffness, material, level=level)
-    filled = (found.force[:, -1] - found.force[:, levels - 1]) / (
-        FURTHER_APPROACH * table.reach[rows]
-    )
+    filled = found.force[:, -1] - found.force[:, at_reach]
+    filled /= FURTHER_APPROACH * table.reach[rows]
     elastic, approach, capped_force, force, stiffness, area = (
         column[:, :-1] for column in (elastic, found.approach, found.force, force, stiffness, area)
     )
@@ -109,11 +100,12 @@ def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) ->
     columns = [np.maximum.accumulate(capped_force[late], axis=1), area[late], stiffness[late]]
     columns.append(columns[0] / force[late] * approach)
     if table.centre is not None:
-        node = np.minimum(np.arange(approach.shape[1]) // FINER_NODES, nodes - 1)
-        share = np.pad(u[:-1], (0, WIDER_LEVELS), "edge") * nodes - node
+        own = np.minimum(np.arange(1, approach.shape[1] + 1) / FINER_NODES, nodes)
+        node = np.minimum(own.astype(np.int64), nodes - 1)
+        share = own - node
         for old in np.moveaxis(table.centre[rows], 2, 0):
             columns.append(approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
-    reach = np.clip(table.reach[rows], approach[:, levels - 1], approach[:, -1])
+    reach = np.clip(table.reach[rows], approach[:, at_reach], approach[:, -1])
     values, slope = resample(approach, np.stack(columns), nodes, reach)
     places = reach[:, None] * (np.arange(nodes + 1) / nodes) ** 2
     below = count_below(approach, places * (1.0 - ROUNDING))
@@ -129,6 +121,23 @@ def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) ->
     result.elastic[rows, :, 1] = values[2]
     if result.centre is not None:
         result.centre[rows, 1:] = np.moveaxis(values[4:, :, 1:] / places[:, 1:], 0, 2)
+
+
+def _elastic_states(table: LawTable, rows: Index) -> tuple[Array, ...]:
+    """Approach, force, stiffness and area, (n, states) each, of elastic contacts from which the
+    capped laws of `rows` are made: at levels up to the reach; of wider ones, up to the area of the
+    basin; the last is the one at the reach pressed further, as a filled basin is."""
+    assert table.bearing is not None
+    levels, p = FINER_NODES * table.nodes, table.exponent
+    u = np.append(np.arange(1, levels + 1) / levels, (1.0 + FURTHER_APPROACH) ** 0.5)
+    approach = table.reach[rows, None] * np.square(u)
+    force, stiffness, area = table.evaluate(rows[:, None], approach)
+    widening = np.maximum(np.sqrt(table.bearing[rows, -1] / area[:, -2]) - 1.0, LEAST_WIDENING)
+    wider = 1.0 + widening[:, None] * (np.arange(1, WIDER_LEVELS + 1) / WIDER_LEVELS)
+    return tuple(
+        np.hstack((known[:, :-1], known[:, -2:-1] * wider**power, known[:, -1:]))
+        for known, power in ((approach, 2.0), (force, p), (stiffness, p - 2.0), (area, 2.0))
+    )
 
 
 def depths_of(bearing: Array, depth: Array, area: Array) -> Array:

@@ -89,10 +89,9 @@ class SurfaceFile:
         self._file = file
         self._dataset = dataset
         self._packing, self._chunks = header.packing, header.chunks
-        known = {key for step in header.history for key in step}
-        if known.issuperset(header.notes) and header.history:
-            self.history = header.history
-        else:
+        self.history = header.history
+        told = {key for step in header.history for key in step}
+        if not header.history or not told.issuperset(header.notes):
             self.history = self._origin(header.notes), *header.history
 
     def __enter__(self) -> Self:
