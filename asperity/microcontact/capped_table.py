@@ -28,7 +28,8 @@ CONTACTS_PER_THREAD = 256
 cache."""
 
 FINER_NODES = 2
-"""Number of elastic approaches from which a capped law is made, over the nodes of the table."""
+"""Number of elastic contacts up to the reach from which a capped law is made, over the nodes of the
+table."""
 
 WIDER_LEVELS = 6
 """Number of elastic contacts that are larger than the one at the reach."""
@@ -85,7 +86,7 @@ def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) ->
     assert table.bearing is not None
     nodes = table.nodes
     at_reach = FINER_NODES * nodes - 1
-    elastic, force, stiffness, area = _elastic_states(table, rows)
+    own, elastic, force, stiffness, area = _elastic_states(table, rows)
     level = depths_of(table.bearing[rows], table.approach()[rows], area)
     found = capped(elastic, force, area, stiffness, material, level=level)
     filled = found.force[:, -1] - found.force[:, at_reach]
@@ -96,20 +97,20 @@ def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) ->
     late = np.flatnonzero((capped_force < (1.0 - LEAST_YIELD) * force).any(axis=1))
     if not late.size:
         return
-    rows, approach = rows[late], _rising(approach[late], elastic[late])
+    rows, own, approach = rows[late], own[late], _rising(approach[late], elastic[late])
     columns = [np.maximum.accumulate(capped_force[late], axis=1), area[late], stiffness[late]]
     columns.append(columns[0] / force[late] * approach)
     if table.centre is not None:
-        own = np.minimum(np.arange(1, approach.shape[1] + 1) / FINER_NODES, nodes)
         node = np.minimum(own.astype(np.int64), nodes - 1)
-        share = own - node
+        each, share = np.arange(len(own))[:, None], own - node
         for old in np.moveaxis(table.centre[rows], 2, 0):
-            columns.append(approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
+            columns.append(approach * (old[each, node] * (1 - share) + old[each, node + 1] * share))
     reach = np.clip(table.reach[rows], approach[:, at_reach], approach[:, -1])
     values, slope = resample(approach, np.stack(columns), nodes, reach)
     places = reach[:, None] * (np.arange(nodes + 1) / nodes) ** 2
-    below = count_below(approach, places * (1.0 - ROUNDING))
-    node = np.where(places > 0.0, np.minimum(below // FINER_NODES + 1, nodes), 0)
+    below = count_below(approach[:, :-1], places * (1.0 - ROUNDING))
+    node = np.ceil(np.take_along_axis(own, below, 1) - ROUNDING).astype(np.int64)
+    node[places == 0.0] = 0
     result.flags[rows], result.spread[rows] = (
         known[rows[:, None], node] for known in (table.flags, table.spread)
     )
@@ -124,20 +125,33 @@ def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) ->
 
 
 def _elastic_states(table: LawTable, rows: Index) -> tuple[Array, ...]:
-    """Approach, force, stiffness and area, (n, states) each, of elastic contacts from which the
-    capped laws of `rows` are made: at levels up to the reach; of wider ones, up to the area of the
-    basin; the last is the one at the reach pressed further, as a filled basin is."""
+    """Place among the nodes, approach, force, stiffness and area, (n, states) each, of elastic
+    contacts from which the capped laws of `rows` are made: at levels up to the reach; of wider
+    ones, up to the area of the basin; the last is the one at the reach pressed further, as a filled
+    basin is.
+
+    Levels are spaced by the roots of approach and of area alike, which on a paraboloid are
+    proportional: where an elastic contact jumps on to the next step of a basin, one that yields
+    grows on to the foot of the step before.
+    """
     assert table.bearing is not None
-    levels, p = FINER_NODES * table.nodes, table.exponent
-    u = np.append(np.arange(1, levels + 1) / levels, (1.0 + FURTHER_APPROACH) ** 0.5)
+    levels, nodes, p = FINER_NODES * table.nodes, table.nodes, table.exponent
+    size = np.sqrt(np.maximum.accumulate(table.area[rows], axis=1) / table.area[rows, -1:])
+    spaced = 0.5 * (np.arange(nodes + 1) / nodes + size)
+    wanted = np.broadcast_to(np.arange(1, levels + 1) / levels, (len(rows), levels))
+    j = np.clip(count_below(spaced, wanted * (1.0 - ROUNDING)) - 1, 0, nodes - 1)
+    start, end = (np.take_along_axis(spaced, k, 1) for k in (j, j + 1))
+    own = np.minimum(j + (wanted - start) / (end - start), nodes)
+    u = np.pad(own / nodes, ((0, 0), (0, 1)), constant_values=(1.0 + FURTHER_APPROACH) ** 0.5)
     approach = table.reach[rows, None] * np.square(u)
     force, stiffness, area = table.evaluate(rows[:, None], approach)
     widening = np.maximum(np.sqrt(table.bearing[rows, -1] / area[:, -2]) - 1.0, LEAST_WIDENING)
     wider = 1.0 + widening[:, None] * (np.arange(1, WIDER_LEVELS + 1) / WIDER_LEVELS)
-    return tuple(
+    states = (
         np.hstack((known[:, :-1], known[:, -2:-1] * wider**power, known[:, -1:]))
         for known, power in ((approach, 2.0), (force, p), (stiffness, p - 2.0), (area, 2.0))
     )
+    return np.pad(own, ((0, 0), (0, WIDER_LEVELS)), constant_values=nodes), *states
 
 
 def depths_of(bearing: Array, depth: Array, area: Array) -> Array:

@@ -102,3 +102,15 @@ def test_forces_grow_and_slopes_are_those_of_the_forces(profiles):
     force, stiffness, _ = table.evaluate(usable[:, None], at)
     slope = (more - less) / (2 * step)
     np.testing.assert_allclose(np.maximum(slope, 0.05 * force / at), stiffness, rtol=1e-3)
+
+
+def test_a_soft_tower_on_a_terrace_is_pressed_as_its_bearing_area_tells():
+    """The elastic contact jumps from the top to the terrace; the soft one grows to its foot."""
+    y, x = np.mgrid[:96, :96]
+    r = np.hypot(y - 48.3, x - 47.6)
+    heights = -0.5 * np.tanh((r - 7) / 2) - 0.75 * np.tanh((r - 28) / 3) - 0.002 * r
+    hm = surfaces.HeightMap(heights, 1.0, periodic=True)
+    flats = heights.max() - np.array([0.4, 0.6, 0.8, 1.3, 1.5])
+    curve = asperity.contact_curve(hm, body(1e-5), separations=flats - heights.mean())
+    bearing = [(heights > flat).mean() for flat in flats]
+    np.testing.assert_allclose(curve.area_fraction, bearing, rtol=0.3)
