@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,6 +37,10 @@ from .other_grids import (
 )
 from .record import PARETO_TYPE
 from .result import Comparison
+
+if TYPE_CHECKING:
+    from asperity.bem.solution import BemSolution
+    from asperity.contacts.run import ContactRun
 
 __all__ = ["compare"]
 
@@ -158,20 +162,11 @@ def compare(
             tolerance=tolerance,
             boundary=plan.boundary,
         )
-        maps: dict[str, NDArray[Any]] = {
-            "bem": solution.contact,
-            "asperity": np.zeros_like(solution.contact),
-            "heights": (hm.heights - hm.roughness.mean).astype(np.float32),
-            "pressure_bem": solution.pressure.astype(np.float32),
-        }
-        contacts = microcontacts(run.decomposition, run.points[point])[:0]
-        overlap = np.nan
+        maps, overlap = _maps(hm, solution, run, point)
         if run.curve.converged[point]:
-            pressure, contacts = run.pressure_map(point), run.microcontacts(point)
-            maps["asperity"] = pressure > 0
-            maps["pressure_asperity"] = pressure.astype(np.float32)
-            union = np.count_nonzero(maps["bem"] | maps["asperity"])
-            overlap = np.count_nonzero(maps["bem"] & maps["asperity"]) / union if union else 1.0
+            contacts = run.microcontacts(point)
+        else:
+            contacts = microcontacts(run.decomposition, run.points[point])[:0]
         say("boundary elements on a refined grid")
         return Comparison(
             model=run.curve,
@@ -195,6 +190,27 @@ def _compile(material: HalfSpace, plan: Plan) -> None:
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, plan.whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)
+
+
+def _maps(
+    hm: HeightMap, solution: BemSolution, run: ContactRun, point: int
+) -> tuple[dict[str, NDArray[Any]], float]:
+    """Maps of heights [m], pressures [Pa] and contact of boundary elements and of the model at a
+    load point, and the overlap of both contacts [-]; NaN if the model did not converge."""
+    maps: dict[str, NDArray[Any]] = {
+        "bem": solution.contact,
+        "asperity": np.zeros_like(solution.contact),
+        "heights": (hm.heights - hm.roughness.mean).astype(np.float32),
+        "pressure_bem": solution.pressure.astype(np.float32),
+    }
+    if not run.curve.converged[point]:
+        return maps, np.nan
+    pressure = run.pressure_map(point)
+    maps["asperity"] = pressure > 0
+    maps["pressure_asperity"] = pressure.astype(np.float32)
+    union = np.count_nonzero(maps["bem"] | maps["asperity"])
+    both = np.count_nonzero(maps["bem"] & maps["asperity"])
+    return maps, both / union if union else 1.0
 
 
 def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
