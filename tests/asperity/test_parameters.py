@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import inspect
 import re
 from collections import defaultdict
 from dataclasses import fields
@@ -19,9 +20,9 @@ GROUPS = [group.name for group in fields(DEFAULTS)]
 def entries(group: str) -> dict[tuple[str, ...], str]:
     """Names of the constants of each entry in the docstring of a group, and what it says."""
     found: dict[tuple[str, ...], str] = {}
-    for line in (type(getattr(DEFAULTS, group)).__doc__ or "").splitlines():
-        if re.fullmatch(r"    [a-z_]+(, [a-z_]+)*", line):
-            names = tuple(line.strip().split(", "))
+    for line in (inspect.getdoc(type(getattr(DEFAULTS, group))) or "").splitlines():
+        if re.fullmatch(r"[a-z_]+(, [a-z_]+)*", line):
+            names = tuple(line.split(", "))
             found[names] = ""
         elif found:
             found[names] += f" {line.strip()}"
