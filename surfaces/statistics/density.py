@@ -175,6 +175,7 @@ def texture_direction(waves: Density) -> float:
                 along, across = q * np.cos(away), q * np.sin(away)
                 width = np.maximum(widths[index], along * np.tan(degree))
                 share = amplitude * np.maximum(1.0 - np.abs(across) / width, 0.0) / width
+                share *= along > _ROUNDING * q  # a wave across a ray points to both its sides
                 for total, vector in zip(found, (along, across), strict=True):
                     total[:_RAYS] += np.bincount(index, share * vector, _RAYS)
         return found
