@@ -32,7 +32,8 @@ def in_words(history: Iterable[Step]) -> list[str]:
             details = ", ".join(
                 f"{k} {_short(v)}" for k, v in step.items() if k != "step" and v is not None
             )
-            found.append(f"{step.get('step', 'step')}: {details}" if details else str(step["step"]))
+            name = str(step.get("step", "step"))
+            found.append(f"{name}: {details}" if details else name)
     return found
 
 

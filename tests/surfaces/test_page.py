@@ -71,7 +71,9 @@ def test_every_step_of_a_preparation_has_words():
     assert not preparation_warnings(narrow.history)
 
 
-@pytest.mark.parametrize("step", [{"step": "level"}, {"step": "periodic", "how": "x"}, {"a": 1}])
+@pytest.mark.parametrize(
+    "step", [{"step": "level"}, {"step": "periodic", "how": "x"}, {"a": 1}, {}]
+)
 def test_a_step_that_is_not_understood_is_listed(step):
     assert len(in_words([step])) == 1 and not preparation_warnings([step])
 
