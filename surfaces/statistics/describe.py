@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from surfaces.checks import tilt_warning, unit_warning
-from surfaces.errors import SurfaceError, as_path
+from surfaces.errors import SurfaceError
+from surfaces.files.atomic import replacing
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.peaks.segmentation import require_wolf
 
@@ -99,14 +100,15 @@ class Statistics:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table of the parameters as CSV; NaN is an empty cell."""
-        with as_path(path).open("w", newline="", encoding="utf-8") as file:
+        with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, self.rows()[0])
             writer.writeheader()
             writer.writerows(self.rows())
 
     def to_json(self, path: str | os.PathLike[str]) -> None:
         """Write the table of the parameters as JSON, a list of rows; NaN is null."""
-        as_path(path).write_text(json.dumps(self.rows(), indent=1), encoding="utf-8")
+        with replacing(path) as part:
+            part.write_text(json.dumps(self.rows(), indent=1), encoding="utf-8")
 
     def _groups(self) -> dict[str, dict[str, float]]:
         return {name: held for name, held in vars(self).items() if isinstance(held, dict)}

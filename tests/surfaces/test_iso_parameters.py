@@ -291,3 +291,11 @@ def test_tables(tmp_path: Path) -> None:
         expected = pytest.approx(list(found.parameters.values()), nan_ok=True)
         assert table["value"].tolist() == expected
         assert pandas.DataFrame([found.parameters]).shape == (1, len(PARAMETERS))
+
+
+def test_a_table_that_cannot_be_written_is_one_sentence(tmp_path: Path) -> None:
+    """It was a traceback of FileNotFoundError, and a file that was cut off where the disk ended."""
+    found = surfaces.describe(lattice(16))
+    for write in (found.to_csv, found.to_json):
+        with pytest.raises(surfaces.InputError, match="cannot be written"):
+            write(tmp_path / "nowhere" / "table")
