@@ -24,6 +24,7 @@ from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
 from surfaces.errors import as_choice
 from surfaces.files.atomic import make_folder
+from surfaces.files.zarr_array import is_zarr
 from surfaces.heightmap import HeightMap
 
 __all__ = ["METHODS", "Job", "Jobs", "Surface", "method"]
@@ -185,14 +186,23 @@ class Jobs:
         return f"{value.__module__}.{name}"
 
     def _content(self, text: str) -> str:
-        """Digest of a file that can be read, else the text itself."""
+        """Digest of a file that can be read, or of a Zarr's files, else the text itself."""
         if text not in self._digests:
             try:
-                with open(text, "rb") as file:
-                    self._digests[text] = hashlib.file_digest(file, "sha256").hexdigest()
+                self._digests[text] = _digest(text)
             except OSError:
                 self._digests[text] = text
         return self._digests[text]
+
+
+def _digest(path: str) -> str:
+    """Digest of the content of a file, or of the names and the contents of the files of a Zarr."""
+    if not is_zarr(Path(path)):
+        with open(path, "rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    files = (one for one in sorted(Path(path).rglob("*")) if one.is_file())
+    held = [f"{one.relative_to(path)} {_digest(str(one))}" for one in files]
+    return hashlib.sha256(os.fsencode("\n".join(held))).hexdigest()
 
 
 def method(name: str) -> Callable[..., Any]:

@@ -96,6 +96,20 @@ def test_what_is_finished_is_not_run_again_and_what_changed_is(here, maps, tmp_p
     assert same_but_seconds(again, second)
 
 
+def test_a_zarr_that_changed_is_run_again(here, tmp_path):
+    """Its folder cannot be opened as a file: the curve of the map before was told."""
+    zarr = pytest.importorskip("zarr", reason="the extra for Zarr is not installed")
+    told = []
+    for seed in (1, 1, 2):
+        hm = MAKE(seed=seed)
+        facts = {"unit": "m", "spacing": hm.spacing, "periodic": True}
+        zarr.create_array(tmp_path / "a.zarr", data=hm.heights, attributes=facts, overwrite=True)
+        found = asperity.sweep(tmp_path / "a.zarr", STEEL, LOADS, folder=tmp_path / "out")
+        told.append((found.table["digest"][0], found.table["area_fraction"][0]))
+    assert told[0] == told[1]
+    assert told[1][0] != told[2][0] and told[1][1] != told[2][1]
+
+
 def test_nothing_is_started_where_all_is_finished(here, maps, tmp_path, monkeypatch):
     files = maps(2)
     first = asperity.sweep(files, STEEL, LOADS, folder=tmp_path, workers=1)
