@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib
 import math
 import re
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,9 @@ SDF_SIGNATURES = tuple(f"{kind}{family}-".encode() for kind in "abAB" for family
 _NUMBER_OF_PYTHON = re.compile(rb"^(?!\s*ManufacID)[^;\r\n]*?(\w*\d_\d\w*)", re.M)
 """What Python takes for a number, such as 1_0, and no file may hold, in text before a comment."""
 
+_FIELD = re.compile(rb"^[ \t]*(\w+)[ \t]*=", re.M)
+"""A line of the header of a text SDF that states something."""
+
 _PIP = "python -m pip install 'asperity[formats]'"
 _BROKEN_EXTRA = (ImportError, AttributeError, RuntimeError, OSError, ValueError, SyntaxError)
 
@@ -46,7 +50,13 @@ def read_sdf(
     if not header.z_scale > 0.0:
         raise FileFormatError(f"{path}: Zscale is {header.z_scale}; it must be positive, in m")
     if header.format is sdfio.FileFormat.ASCII:
-        before_trailer = b"*".join(path.read_bytes().split(b"*")[:2])
+        parts = path.read_bytes().replace(b"\r", b"\n").split(b"*")
+        ((name, count),) = Counter(map(bytes.lower, _FIELD.findall(parts[0]))).most_common(1)
+        if count > 1:
+            raise FileFormatError(
+                f"{path}: its header states {name.decode()} more than once; leave one"
+            )
+        before_trailer = b"*".join(parts[:2])
         if strange := _NUMBER_OF_PYTHON.search(before_trailer):
             raise FileFormatError(f"{path}: holds {strange[1].decode()!r}, which is no number")
     stated = {"unit": "m", "spacing": (header.y_scale, header.x_scale)}

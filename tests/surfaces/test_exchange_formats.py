@@ -115,6 +115,17 @@ def test_numbers_of_a_programming_language_in_sdf_are_refused(tmp_path: Path, ol
         surfaces.read(_written(tmp_path, re.sub(old, new, text, count=1)))
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("again", ["Zscale = 1e-6", " ZSCALE=1e-6", "Xscale = 1.0"])
+def test_a_header_of_sdf_that_states_a_thing_twice_is_refused(tmp_path: Path, end, again) -> None:
+    """The last one was taken: a thousand times the heights."""
+    as_text_sdf(tmp_path / "a.sdf")
+    lines = (tmp_path / "a.sdf").read_text().splitlines()
+    (tmp_path / "a.sdf").write_bytes(end.join([lines[0], again, *lines[1:], ""]).encode())
+    with pytest.raises(FileFormatError, match=r"its header states [xz]scale more than once"):
+        surfaces.read(tmp_path / "a.sdf")
+
+
 def _written(folder: Path, text: str) -> Path:
     (folder / "a.sdf").write_text(text)
     return folder / "a.sdf"
