@@ -87,7 +87,13 @@ def read_x3p(
             f"{path}: its rotation {turn.round(3).tolist()} mirrors the heights or turns them "
             "over, so that it is open what points out of the solid; export it without a rotation"
         )
-    stated = {"unit": "m", "spacing": layer.spacing[::-1]}
+    # the library takes a metre where the file states no increment
+    height, pixel = layer.header.z, layer.spacing[::-1]
+    whole = height.data_type in (x3pio.DataType.INT16, x3pio.DataType.INT32)
+    stated = {
+        "unit": None if whole and height.increment == 1.0 else "m",
+        "spacing": None if 1.0 in pixel else pixel,
+    }
     return as_map(layer.z, path, unit, spacing, stated, format="X3P")
 
 

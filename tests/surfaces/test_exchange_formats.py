@@ -266,6 +266,27 @@ def test_layers_of_x3p(tmp_path: Path) -> None:
         surfaces.read(tmp_path / "b.x3p")
 
 
+def test_increments_that_x3p_does_not_state_are_asked_for(tmp_path: Path) -> None:
+    """A metre was taken for each, of pixels and of the steps of whole numbers."""
+    whole = {"z_scale": 1e-9, "z_type": x3pio.DataType.INT16}
+    heights = 1e-9 * np.arange(12.0).reshape(3, 4)
+    x3pio.write(tmp_path / "a.x3p", heights, x_scale=2e-6, y_scale=2e-6, **whole)
+    hm = surfaces.read(tmp_path / "a.x3p")
+    with (
+        zipfile.ZipFile(tmp_path / "a.x3p") as old,
+        zipfile.ZipFile(tmp_path / "b.x3p", "w") as new,
+    ):
+        main = re.sub("<Increment>.*?</Increment>", "", old.read("main.xml").decode())
+        new.writestr("main.xml", main)
+        new.writestr("bindata/data.bin", old.read("bindata/data.bin"))
+    for part in ({}, {"unit": "1nm"}, {"spacing": 2e-6}):
+        with pytest.raises(FileFormatError, match=r"states no (unit|pixel size); pass --"):
+            surfaces.read(tmp_path / "b.x3p", **part)
+    found = surfaces.read(tmp_path / "b.x3p", unit="1nm", spacing=2e-6)
+    assert found.spacing == hm.spacing
+    np.testing.assert_allclose(found.heights, hm.heights, rtol=1e-12)
+
+
 def test_rotations_of_x3p(tmp_path: Path) -> None:
     """A turn in the plane and a slight tilt leave the heights; one that turns them over does not,
     nor does a mirror, which the standard forbids and files state nevertheless."""
