@@ -190,7 +190,7 @@ class Jobs:
         if text not in self._digests:
             try:
                 self._digests[text] = _digest(text)
-            except OSError:
+            except (OSError, ValueError):  # the latter of a zero byte
                 self._digests[text] = text
         return self._digests[text]
 

@@ -140,11 +140,12 @@ def test_a_job_that_fails_is_named_and_the_others_go_on(without_dask, maps, tmp_
     bad = tmp_path / "bad.h5"
     bad.write_text("no map")
     given = [bad, tmp_path / "none.h5", *(partial(faulty, seed=seed) for seed in range(3)), good]
+    given.append("zero\0byte.h5")
     found = asperity.sweep(given, STEEL, LOADS, folder=tmp_path / "out", workers=2)
-    assert found.failed.tolist() == [0, 1, 3]
+    assert found.failed.tolist() == [0, 1, 3, 6]
     reasons = found.table["reason"]
     assert "HDF5" in reasons[0] and "no such file" in reasons[1]
-    assert reasons[3] == "ZeroDivisionError: one over none"
+    assert reasons[3] == "ZeroDivisionError: one over none" and "zero byte" in reasons[6]
     assert "faulty seed 1: ZeroDivisionError" in str(found)
     with pytest.raises(asperity.InputError, match=r"has no curve: .*no such file"):
         found.curve(1)
