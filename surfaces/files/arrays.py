@@ -39,9 +39,10 @@ __all__ = [
 _MISSING = {"", "nan", "na", "n/a", "#n/a", "bad", "none", "null"}
 _MISSING |= {"-", "--", "---", "*", "**", "***"}
 _COMMENT = "#%;/!"
+_SHAPE = re.compile(r"\W*(\d{1,15})\W+(\d{1,15})\W*")
 _HEAD = 2**16  # bytes that tell how a text is encoded
 
-_STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(\S.*?)\s*$", re.IGNORECASE)
+_STATED = re.compile(r"^\W*(spacing|unit|periodic|name|shape)\s*[:=]\s*(\S.*?)\s*$", re.IGNORECASE)
 
 
 def read_npy(
@@ -112,7 +113,8 @@ def read_text(
     """Heights from rows of numbers; comment lines ``unit = um``, ``spacing = DY DX`` are used.
 
     Columns x, y, z of the points of an even grid are understood. The unit is that of all three,
-    unless a spacing is given.
+    unless a spacing is given. A comment ``shape = NY NX`` tells three columns of heights from them,
+    and whether the text is whole.
     """
     require_unnamed(path, dataset)
     require_memory(
@@ -128,7 +130,9 @@ def read_text(
         except ValueError:
             raise FileFormatError(f"{path}: spacing = {stated['spacing']} is not DY DX") from None
     heights = np.vstack(rows)
-    points = gridded(heights)
+    whole = _SHAPE.fullmatch(stated.pop("shape", ""))
+    shape = (int(whole[1]), int(whole[2])) if whole else None
+    points = None if shape == heights.shape else gridded(heights)
     if points is not None:
         heights, pixel = points
         unit = chosen_unit(stated.get("unit"), unit)
@@ -136,6 +140,11 @@ def read_text(
             stated.setdefault("spacing", [step * metres_per(unit) for step in pixel])
     elif path.suffix.lower() == ".xyz":
         raise FileFormatError(f"{path}: its points x, y, z lie on no even grid")
+    if shape and math.prod(shape) != heights.size:
+        raise FileFormatError(
+            f"{path}: states {shape[0]} x {shape[1]} points and holds {heights.shape[0]} x "
+            f"{heights.shape[1]}; copy it again from its source"
+        )
     hm = as_map(heights, path, unit, spacing, stated)
     if points is not None and not np.isclose(np.divide(*hm.spacing), np.divide(*pixel), rtol=1e-3):
         raise FileFormatError(
@@ -162,7 +171,11 @@ def write_text(hm: HeightMap, path: Path) -> None:
     """Write heights [m] as rows of numbers below comment lines with spacing and unit."""
     dy, dx = hm.spacing
     name = " ".join(as_text(hm.name).split())
-    header = f"unit = m\nspacing = {dy!r} {dx!r}\nperiodic = {hm.periodic}\nname = {name}"
+    ny, nx = hm.shape
+    header = (
+        f"unit = m\nspacing = {dy!r} {dx!r}\nshape = {ny} {nx}\nperiodic = {hm.periodic}\n"
+        f"name = {name}"
+    )
     separator = "," if path.suffix.lower() == ".csv" else " "
     with replacing(path) as part:
         np.savetxt(

@@ -34,6 +34,18 @@ def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
     assert back.digest == sample().digest and back.name == "sample"
 
 
+@pytest.mark.parametrize("suffix", [".txt", ".csv"])
+def test_a_text_tells_its_shape(tmp_path: Path, suffix: str) -> None:
+    """Three columns were read as points x, y, z, and a text cut off as a smaller map."""
+    path, row = tmp_path / f"a{suffix}", np.arange(64)
+    hm = surfaces.HeightMap(1e-9 * np.column_stack([row // 8, row % 8, row**2 % 7]), 1e-6)
+    surfaces.write(hm, path)
+    assert surfaces.read(path).digest == hm.digest
+    path.write_text("".join(path.read_text().splitlines(True)[:-9]))
+    with pytest.raises(FileFormatError, match="states 64 x 3 points and holds"):
+        surfaces.read(path)
+
+
 @pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv", ".txt"])
 def test_a_map_without_a_name_has_that_of_its_file(tmp_path: Path, suffix: str) -> None:
     surfaces.write(sample().replace(name=""), tmp_path / f"map{suffix}")
