@@ -243,25 +243,26 @@ class PolarProfile:
         """Radial slope f_r at the nodes of each ray, shape (n_r, n_phi)."""
         from scipy.interpolate import CubicSpline, PchipInterpolator
 
-        slope = CubicSpline(self.r, self.f)(self.r, 1)
-        smooth = np.abs(slope[0]) * self.r[1] < 0.1 * np.abs(self.f[1])
+        r = self.r / self.radius  # the end conditions lose digits where r is large
+        slope = CubicSpline(r, self.f)(r, 1)
+        smooth = np.abs(slope[0]) * r[1] < 0.1 * np.abs(self.f[1])
         if np.any(smooth):
             table = self.f[:, smooth]
-            flat = CubicSpline(self.r, table, bc_type=((1, np.zeros(table.shape[1])), "not-a-knot"))
-            slope[:, smooth] = flat(self.r, 1)
-        secant = np.diff(self.f, axis=0) / np.diff(self.r)[:, None]
+            flat = CubicSpline(r, table, bc_type=((1, np.zeros(table.shape[1])), "not-a-knot"))
+            slope[:, smooth] = flat(r, 1)
+        secant = np.diff(self.f, axis=0) / np.diff(r)[:, None]
         rising = np.all(secant >= 0.0, axis=0)
         small = -1e-9 * np.max(np.abs(slope))
         monotone: Array | None = None
         while True:  # at most once for each node
             turns = rising & (_least_slope(slope[:-1], slope[1:], secant) < small)
             if not np.any(turns):
-                return np.asarray(slope)
+                return np.asarray(slope / self.radius)
             if monotone is None:
-                monotone = PchipInterpolator(self.r, self.f)(self.r, 1)
+                monotone = PchipInterpolator(r, self.f)(r, 1)
             ends = np.pad(turns, ((0, 1), (0, 0))) | np.pad(turns, ((1, 0), (0, 0)))
             if np.array_equal(slope[ends], monotone[ends]):  # but for rounding it rises
-                return np.asarray(slope)
+                return np.asarray(slope / self.radius)
             slope = np.where(ends, monotone, slope)
 
     def __call__(self, r: ArrayLike, phi: ArrayLike) -> Array:
