@@ -126,7 +126,7 @@ def read_instrument(
                 f"SurfaceTopography knows, or damaged{hint}"
             ) from error
         with opened as reader:
-            channel = _channel(reader, path, dataset)
+            channel = _channel(reader, path, dataset, hint)
             # the library uses one unit for heights and lengths
             scale = channel.height_scale_factor
             if scale is not None and not 0.0 < abs(scale) < math.inf:
@@ -178,10 +178,10 @@ def _library(path: Path, hint: str) -> Any:
         raise FileFormatError(f"{path}: {text}") from error
 
 
-def _channel(reader: Any, path: Path, name: str | None) -> Any:
+def _channel(reader: Any, path: Path, name: str | None, hint: str) -> Any:
     channels = list(reader.channels)
     if not channels:
-        raise FileFormatError(f"{path}: holds no heights in a unit of length")
+        raise FileFormatError(f"{path}: holds no heights in a unit of length{hint}")
     named = [(known, c) for n, c in enumerate(channels) for known in (c.name, str(n))]
     by_name = dict(reversed(named))  # of one name the first
     channel = reader.default_channel if name is None else by_name.get(name)
@@ -189,5 +189,5 @@ def _channel(reader: Any, path: Path, name: str | None) -> Any:
         names = ", ".join(str(c.name) for c in channels)
         raise FileFormatError(f"{path}: no channel {name!r}; the file holds {names}")
     if len(channel.nb_grid_pts) != 2:
-        raise FileFormatError(f"{path}: holds a line of heights; a height map needs two axes")
+        raise FileFormatError(f"{path}: holds a line of heights; a map needs two axes{hint}")
     return channel

@@ -156,7 +156,7 @@ def test_a_spacing_that_contradicts_the_file_is_refused(tmp_path: Path, name: st
     [
         ([(17, 12)], 0.0, "height of one step is 0.0 in its header"),
         ([(17, 12)], 1.0, r"states spacing \(2e-06, 3e-06\) m; leave out"),
-        ([(17,)], 1.0, "holds a line of heights; a height map needs two axes"),
+        ([(17,)], 1.0, "holds a line of heights; a map needs two axes"),
         ([], 1.0, "holds no heights in a unit of length"),
     ],
 )
