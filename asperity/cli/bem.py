@@ -36,7 +36,7 @@ def _solve(
 ) -> Mapping[str, Any]:
     from asperity.bem.curve import bem_curve
 
-    settings = {"tolerance": args.tolerance, "boundary": args.boundary}
+    settings = options.elements(args)
     solve = partial(bem_curve, hm, material, **settings)
     request = output.request_of(hm, material, args, settings)
     curve = output.solve_and_keep(solve, hm, material, loads, args, "bem", request)

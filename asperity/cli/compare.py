@@ -48,7 +48,7 @@ def _compare(
     from asperity.results.resume import require_continuable, with_held
     from asperity.results.storage import columns, write_csv, write_results
 
-    settings = {"tolerance": args.tolerance, "boundary": args.boundary}
+    settings = options.elements(args)
     request = output.request_of(hm, material, args, settings)
     if args.resume and Path(args.output).exists():
         kind, values = checked_loads(hm, material, **loads)

@@ -181,6 +181,11 @@ def model(args: argparse.Namespace) -> dict[str, Any]:
         "scales": args.scales,
     }
 
+def elements(args: argparse.Namespace) -> dict[str, Any]:
+    """Choices of the boundary elements, as keyword arguments."""
+    return {"boundary": args.boundary, "tolerance": args.tolerance}
+
+
 
 def materials(args: argparse.Namespace) -> list[HalfSpace]:
     """Half-spaces of all values of the options of a material with each other."""

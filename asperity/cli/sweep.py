@@ -50,11 +50,11 @@ NUMBER = re.compile(r"[-+.]*\d\S*|inf")
 """A word of a cell that begins another number."""
 
 OPTIONS = {
-    "curve": options.add_model_options,
-    "bem": options.add_tolerance_option,
-    "solve": add_accuracy_options,
+    "curve": (options.add_model_options, options.model),
+    "bem": (options.add_tolerance_option, options.elements),
+    "solve": (add_accuracy_options, settings_of),
 }
-"""Options of what solves a job, by its name."""
+"""What adds the options of what solves a job, and what makes arguments of them, by its name."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -94,7 +94,7 @@ def add_solving_options(parser: argparse.ArgumentParser) -> None:
         help="what solves: the microcontact model, boundary elements, or the cheaper of both to "
         "an accuracy (default curve)",
     )
-    for add in OPTIONS.values():
+    for add, _ in OPTIONS.values():
         add(parser)
 
 
@@ -164,18 +164,12 @@ def _jobs(args: argparse.Namespace, maker: Any) -> Iterator[Job]:
 
 def settings_for(args: argparse.Namespace) -> dict[str, Any]:
     """Method and its keyword arguments."""
-    for other, add in OPTIONS.items():
+    for other, (add, _) in OPTIONS.items():
         if other != args.method:
             why = f"--method {args.method} does not take the options of {other}"
             options.require_default(args, why, add)
-    chosen: dict[str, Any] = {"boundary": args.boundary}
-    if args.method == "curve":
-        chosen = options.model(args)
-    elif args.method == "bem":
-        chosen["tolerance"] = args.tolerance
-    else:
-        chosen = settings_of(args)
-    return {"method": args.method, **chosen, **options.loads(args)}
+    _, chosen = OPTIONS[args.method]
+    return {"method": args.method, **chosen(args), **options.loads(args)}
 
 
 def _expanded(args: argparse.Namespace) -> Iterator[argparse.Namespace]:
