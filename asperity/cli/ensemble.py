@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import surfaces
 from asperity.errors import InputError
 from asperity.progress import bar
 from surfaces.errors import as_count
@@ -14,7 +15,7 @@ from surfaces.errors import as_count
 from . import batch, options, quantities, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 from .messages import tell
-from .surface import generator, open_map
+from .surface import generator, reading
 from .surface_options import add_generation
 from .sweep import add_solving_options, add_worker_options, settings_for
 
@@ -126,7 +127,7 @@ def _windows(file: Path, how: argparse.Namespace, args: argparse.Namespace) -> l
 
     if args.crop is not None or len(args.windows) > 2:
         raise InputError("--windows takes one number or two (y and x), and no --crop beside it")
-    with open_map(file, args) as opened:
+    with surfaces.open(file, **reading(args)) as opened:
         places = windows_of(opened.shape, tuple(args.windows))
     return [
         Surface(

@@ -16,6 +16,7 @@ from surfaces.errors import as_choice
 from . import batch, bodies, options, quantities, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 from .messages import tell
+from .surface import reading
 from .surface_options import add_reading
 
 if TYPE_CHECKING:
@@ -116,8 +117,7 @@ def _profile(args: argparse.Namespace) -> tuple[PowerSumProfile | PolarProfile, 
     if from_file:
         from surfaces.files.profile_file import read_profile
 
-        reading = {"dataset": args.dataset, "unit": args.unit, "spacing": args.spacing}
-        return read_profile(args.file, **reading), Path(args.file).name
+        return read_profile(args.file, **reading(args)), Path(args.file).name
     body = bodies.body(args.shape, args.k, args.scale)
     return body, args.shape + (f", k = {body.powers[0]:g}" if len(body.powers) == 1 else "")
 

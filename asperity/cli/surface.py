@@ -20,7 +20,7 @@ from .exit_codes import EXIT_OK
 from .messages import tell
 from .surface_options import EPILOG, PARAMETERS, add_arguments
 
-__all__ = ["EPILOG", "add_arguments", "generator", "open_map", "prepared", "read_map", "run"]
+__all__ = ["EPILOG", "add_arguments", "generator", "prepared", "read_map", "reading", "run"]
 
 
 def run(args: argparse.Namespace) -> int:
@@ -47,18 +47,12 @@ def run(args: argparse.Namespace) -> int:
 def read_map(path: str | Path, args: argparse.Namespace) -> surfaces.HeightMap:
     """The map, or the part of it that ``--crop`` keeps, as the options of `add_reading` say."""
     crop = getattr(args, "crop", None)
-    return surfaces.read(
-        path,
-        dataset=args.dataset,
-        unit=args.unit,
-        spacing=_pair(args.spacing, "--spacing"),
-        rows=(crop[0], crop[1]) if crop else None,
-        columns=(crop[2], crop[3]) if crop else None,
-    )
+    rows, columns = ((crop[0], crop[1]), (crop[2], crop[3])) if crop else (None, None)
+    return surfaces.read(path, **reading(args), rows=rows, columns=columns)
 
 
-def open_map(path: str | Path, args: argparse.Namespace) -> surfaces.SurfaceFile:
-    """The file of a map, which is read in parts, as the options of `add_reading` say."""
+def reading(args: argparse.Namespace) -> dict[str, Any]:
+    """What the options of `add_reading` say of a file, as keyword arguments."""
     spacing = _pair(args.spacing, "--spacing")
     return surfaces.open(path, dataset=args.dataset, unit=args.unit, spacing=spacing)
 
@@ -82,7 +76,7 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
         return _describe(args.file, hm, args.sections[-1].found)
     if args.report:
         raise InputError("--report draws the map and needs all of it; leave out --memory")
-    with open_map(args.file, args) as file:
+    with surfaces.open(args.file, **reading(args)) as file:
         hm = file.on_disk()
     return _describe(args.file, hm, surfaces.describe(hm))
 
