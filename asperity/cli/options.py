@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -139,7 +138,7 @@ def _full_map(file: str, args: argparse.Namespace) -> HeightMap:
         hm = prepared(hm, args)
     if hm.missing:
         raise SurfaceError(
-            f"{Path(file).name} has {hm.missing} missing points of {math.prod(hm.shape)}; "
+            f"{Path(file).name} has {hm.missing} missing points of {hm.source.size}; "
             "pass --fill harmonic"
         )
     return hm if hm.name else hm.replace(name=Path(file).stem)
@@ -181,10 +180,10 @@ def model(args: argparse.Namespace) -> dict[str, Any]:
         "scales": args.scales,
     }
 
+
 def elements(args: argparse.Namespace) -> dict[str, Any]:
     """Choices of the boundary elements, as keyword arguments."""
     return {"boundary": args.boundary, "tolerance": args.tolerance}
-
 
 
 def materials(args: argparse.Namespace) -> list[HalfSpace]:
@@ -249,7 +248,7 @@ def on_scene(args: argparse.Namespace, work: SceneWork) -> batch.Work:
     def of_file(args: argparse.Namespace) -> Mapping[str, Any]:
         hm, asked = load_surface(args.file, args), points
         if "loads" in asked:
-            asked = {"pressures": asked["loads"] / math.prod(hm.size)}
+            asked = {"pressures": asked["loads"] / hm.area}
         return work(hm, body, asked, args)
 
     return of_file

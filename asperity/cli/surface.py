@@ -54,7 +54,7 @@ def read_map(path: str | Path, args: argparse.Namespace) -> surfaces.HeightMap:
 def reading(args: argparse.Namespace) -> dict[str, Any]:
     """What the options of `add_reading` say of a file, as keyword arguments."""
     spacing = _pair(args.spacing, "--spacing")
-    return surfaces.open(path, dataset=args.dataset, unit=args.unit, spacing=spacing)
+    return {"dataset": args.dataset, "unit": args.unit, "spacing": spacing}
 
 
 def _pair(values: Sequence[float] | None, option: str) -> tuple[float, float] | None:
@@ -84,9 +84,8 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
 def _describe(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> Mapping[str, Any]:
     """Tell what a map is and how rough; returns its row of the table."""
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
-    missing = round(found.missing * ny * nx)
     lines = [
-        f"points      {ny} x {nx} (y, x), {missing} missing",
+        f"points      {ny} x {nx} (y, x), {hm.missing} missing",
         f"pixel       {dy:.6g} x {dx:.6g} m, map {ny * dy:.6g} x {nx * dx:.6g} m",
         f"periodic    {'yes' if hm.periodic else 'no'}",
         *str(found).splitlines(),
@@ -95,7 +94,7 @@ def _describe(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> 
     tell("\n".join([path, *(f"  {line}" for line in lines)]))
     spectral = {} if found.moments is None else {"rms_slope": found.moments.rms_slope}
     return {
-        **_map_row(hm, missing),
+        **_map_row(hm),
         **found.parameters,
         **spectral,
         "warnings": found.warnings,
@@ -103,9 +102,9 @@ def _describe(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> 
     }
 
 
-def _map_row(hm: surfaces.HeightMap, missing: int) -> dict[str, Any]:
+def _map_row(hm: surfaces.HeightMap) -> dict[str, Any]:
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
-    return {"ny": ny, "nx": nx, "dy": dy, "dx": dx, "missing": missing, "periodic": hm.periodic}
+    return {"ny": ny, "nx": nx, "dy": dy, "dx": dx, "missing": hm.missing, "periodic": hm.periodic}
 
 
 def _validate(args: argparse.Namespace) -> Mapping[str, Any]:
@@ -136,7 +135,7 @@ def _saved(hm: surfaces.HeightMap, args: argparse.Namespace) -> Mapping[str, Any
     surfaces.write(hm, args.output, dtype="float32" if args.float32 else "float64")
     tell(f"{args.file} -> {args.output}")
     rough = {"rms_height": hm.rms_height, "rms_slope": hm.roughness.rms_slope}
-    return _map_row(hm, hm.missing) | rough | {"output": args.output, "history": hm.history}
+    return _map_row(hm) | rough | {"output": args.output, "history": hm.history}
 
 
 def _read_and_prepared(args: argparse.Namespace) -> surfaces.HeightMap:
