@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve every map, write its results file and print its curve."""
-    return output.each(args, _solve, derivable=True)
+    return output.each(args, _solve)
 
 
 def _solve(

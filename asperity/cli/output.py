@@ -58,14 +58,14 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
     batch.add_table(group, several="table.csv")
 
 
-def each(args: argparse.Namespace, work: SceneWork, *, derivable: bool = False) -> int:
+def each(args: argparse.Namespace, work: SceneWork) -> int:
     """Do the work on every map; then, where a report is asked for, write a page about all results.
 
-    With `derivable` options the material has to allow what is derived from the curve.
+    The material has to allow what the options derive from the curve, where there are such options.
     """
     from . import options
 
-    if derivable:
+    if "slip" in args:
         derived.require_derivable(options.material(args), options.loads(args), args)
     code = batch.each(args, options.on_scene(args, work))
     done = [row["output"] for row in args.document if "output" in row]
