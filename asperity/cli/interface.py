@@ -29,7 +29,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         suffix="",
-        one=True,
         default="law.inp",
         help="file (default law.inp)",
     )

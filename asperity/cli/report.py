@@ -28,7 +28,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         suffix=".html",
-        one=True,
         default="report.html",
         help="report file (default report.html)",
     )
