@@ -77,8 +77,8 @@ def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> 
 
     Says so where fewer than two load points converged, from which none follows.
     """
-    bearing = curve.converged & (curve.mean_pressure > 0)
-    if len(np.unique(curve.mean_pressure[bearing])) < 2:
+    loads = np.unique(curve.mean_pressure[curve.mean_pressure > 0])
+    if len(loads) < 2:
         warn(args, "fewer than two load points converged: no partial slip is written")
         return
     from asperity.extensions.partial_slip import friction_curve, tangential_modulus
@@ -86,7 +86,7 @@ def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> 
 
     slip = friction_curve(
         curve,
-        float(curve.mean_pressure[curve.converged].max(initial=0.0)),
+        float(loads[-1]),
         friction=args.friction,
         modulus_ratio=material.modulus / tangential_modulus(material),
     )

@@ -105,9 +105,7 @@ def _run(job: Job, folder: Path, columns: bool, load: Callable[[Surface], Height
 
 def _values(curve: ContactCurve) -> dict[str, Any]:
     """Columns of a curve, NaN where a point did not converge."""
-    good = curve.converged
-    values = {name: np.where(good, getattr(curve, name), np.nan) for name in QUANTITIES}
-    return {"values": values}
+    return {"values": {name: getattr(curve, name) for name in QUANTITIES}}
 
 
 def _result(found: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -68,7 +68,6 @@ def constriction_conductance(
                 "from an older version; make it anew"
             )
         stiffness = curve.extra["unloading_stiffness"]
-    stiffness = np.where(curve.converged, stiffness, np.nan)
     return np.asarray(2.0 * stiffness / (modulus * total_resistivity(resistivity)))
 
 

@@ -53,8 +53,8 @@ def sample_colors(count: int) -> list[str]:
 def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
     """Mean pressure over separation and contact area over mean pressure, of all samples."""
     drawn = _drawn(samples)
-    apart = np.concatenate([curve.separation[curve.converged] for curve, _ in drawn])
-    loads = np.concatenate([curve.mean_pressure[curve.converged] for curve, _ in drawn])
+    apart = np.concatenate([curve.separation for curve, _ in drawn])
+    loads = np.concatenate([curve.mean_pressure for curve, _ in drawn])
     length, length_unit = prefixed_unit(typical(apart), "m")
     stress, stress_unit = prefixed_unit(typical(loads), "Pa")
     separation, pressure = f"separation [{length_unit}]", f"mean pressure [{stress_unit}]"
@@ -116,7 +116,7 @@ def _curve_line(
     """A curve as a line of the figure of its "load" or of its "area", with the band of it."""
     names = ("separation", "mean_pressure")
     columns: dict[str, Any] = {
-        axis: np.where(curve.converged, getattr(curve, name) / scale, np.nan)
+        axis: getattr(curve, name) / scale
         for name, (axis, scale) in zip(names, scales.items(), strict=True)
     }
     columns[AREA] = 100 * curve.area_fraction
@@ -124,7 +124,7 @@ def _curve_line(
     values, stated = columns[list(scales)[1]], curve.error_estimate
     if what == "area":
         values, stated = columns[AREA], stated_area_error(curve)
-    known = np.isfinite(stated) & curve.converged
+    known = np.isfinite(stated)
     if not known.any() or looks["dash"] != "solid":
         return Line(columns=columns, **looks)
     share = np.where(known, stated, 0.0)
