@@ -25,7 +25,7 @@ from .index import Sweep
 from .jobs import Job, Jobs
 from .pool import Workers
 from .sweep import row_of, run
-from .work import JobResult, load_map
+from .work import JobResult, prepared
 
 __all__ = ["enough", "ensemble", "seeded", "windows_of"]
 
@@ -208,7 +208,7 @@ def _common(first: Job) -> Array:
         raise InputError(f"members are compared at common pressures; leave out {', '.join(other)}")
     given: ArrayLike | None = first.settings.get("pressures")
     if given is None:
-        given = default_pressures(load_map(first), first.material)
+        given = default_pressures(prepared(first.surface.load(), first), first.material)
     pressures = as_numbers("pressures", given).ravel()
     if not (pressures > 0.0).all():
         raise InputError("the pressures of an ensemble must be positive")

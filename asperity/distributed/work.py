@@ -23,7 +23,7 @@ from surfaces.numerics.parallel import set_threads
 from .bands import QUANTITIES
 from .jobs import Job, Surface, method
 
-__all__ = ["JobResult", "failure", "finished", "load_map", "run_jobs"]
+__all__ = ["JobResult", "failure", "finished", "prepared", "run_jobs"]
 
 JobResult = Mapping[str, Any]
 """What the index tells of a job that was run: ``state``, ``reason`` and numbers."""
@@ -44,9 +44,10 @@ def run_jobs(
         warnings.simplefilter("ignore", ContactWarning)  # results hold them
         set_threads(threads)
         try:
-            loaded = functools.lru_cache(maxsize=1)(_load)  # of the bodies of one surface
+            # the jobs of one surface share its map
+            load = functools.lru_cache(maxsize=1)(lambda surface: surface.load())
             return [
-                (not force and finished(job, folder, columns)) or _run(job, folder, columns, loaded)
+                (not force and finished(job, folder, columns)) or _run(job, folder, columns, load)
                 for job in jobs
             ]
         finally:
@@ -67,13 +68,9 @@ def finished(job: Job, folder: Path, columns: bool = False) -> JobResult | None:
         return None
 
 
-def _load(surface: Surface) -> HeightMap:
-    return surface.load()
-
-
-def load_map(job: Job, load: Callable[[Surface], HeightMap] = _load) -> HeightMap:
-    """The surface of a job, prepared."""
-    hm, preparation = load(job.surface), job.settings.get("prepare")
+def prepared(hm: HeightMap, job: Job) -> HeightMap:
+    """The map of a job, prepared as its settings ask."""
+    preparation = job.settings.get("prepare")
     return hm if preparation is None else surfaces.prepare(hm, **preparation)
 
 
@@ -87,7 +84,7 @@ def _run(job: Job, folder: Path, columns: bool, load: Callable[[Surface], Height
     begun = time.perf_counter()
     settings = {k: v for k, v in job.settings.items() if k not in ("method", "prepare")}
     try:
-        hm = load_map(job, load)
+        hm = prepared(load(job.surface), job)
         if "loads" in settings:
             settings["pressures"] = np.asarray(settings.pop("loads"), float) / hm.area
         curve = method(job.settings["method"])(hm, job.material, **settings)
