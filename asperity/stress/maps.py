@@ -53,12 +53,6 @@ def _spiked(height: float, heights: Array) -> Array:
     return heights
 
 
-def _pitted() -> Array:
-    heights = rough_heights()
-    heights[20, 30] -= 2000.0 * heights.std()
-    return heights
-
-
 TEXTURES: dict[str, Callable[[], Any]] = {
     "sharp tips": lambda: -_around(),
     "cusps": lambda: -np.sqrt(_around()),
@@ -68,7 +62,7 @@ TEXTURES: dict[str, Callable[[], Any]] = {
     "spike of 30 rms": lambda: _spiked(30.0, rough_heights()),
     "spike of 400 rms": lambda: _spiked(400.0, rough_heights()),
     "spike of 300 rms on noise": lambda: _spiked(300.0, _noise()),
-    "pit of 2000 rms": _pitted,
+    "pit of 2000 rms": lambda: _spiked(-2000.0, rough_heights()),
     "step": lambda: rough_heights() + 50.0 * (_grid()[1] < 40.0),
     "one step, else flat": lambda: 1.0 * (_grid()[1] < 40.0),
     "one pixel, else flat": lambda: 1.0 * (np.hypot(_grid()[0] - 9, _grid()[1] - 9) < 0.5),
