@@ -18,7 +18,7 @@ from surfaces.arrays import Array
 
 from .compiled import QUOTIENTS, inner
 from .vector_type import WORD, constant, unary
-from .vectors import adder, loader, pick, splatter, storer, transposer, where, whole
+from .vectors import add, loader, pick, splatter, storer, transposer, where, whole
 
 __all__ = ["LANES", "add", "load", "pick", "splat", "store", "transpose"]
 
@@ -28,7 +28,6 @@ LANES = 8
 
 load = loader(LANES, grouped=True)
 store = storer(grouped=True)
-add = adder(grouped=True)
 transpose = transposer(LANES, grouped=True)
 splat = splatter(LANES)
 

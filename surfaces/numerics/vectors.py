@@ -48,7 +48,7 @@ from .vector_type import (
 
 __all__ = [
     "absolute",
-    "adder",
+    "add",
     "entries",
     "lane",
     "loader",
@@ -114,22 +114,19 @@ def storer(grouped: bool = False) -> Any:
 store = storer()
 
 
-def adder(grouped: bool = False) -> Any:
-    """add(array, place, vector): add a vector to what is there."""
+@intrinsic
+def add(typing: Any, array: Any, group: Any, vector: Any) -> Any:
+    """Add a vector to a group of elements of its width."""
 
-    @intrinsic
-    def add(typing: Any, array: Any, place: Any, vector: Any) -> Any:
-        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            data = data_of(context, builder, sig.args[0], args[0])
-            start = place_of(builder, args[1], sig.args[2].width, grouped)
-            change = fitted(builder, args[2], array.dtype)
-            held = read(builder, data, start, change.type)
-            write(builder, builder.fadd(held, change), data, start)
-            return context.get_dummy_value()
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = data_of(context, builder, sig.args[0], args[0])
+        start = place_of(builder, args[1], sig.args[2].width, True)
+        change = fitted(builder, args[2], array.dtype)
+        held = read(builder, data, start, change.type)
+        write(builder, builder.fadd(held, change), data, start)
+        return context.get_dummy_value()
 
-        return types.void(array, types.intp, vector), code
-
-    return add
+    return types.void(array, types.intp, vector), code
 
 
 def repeater(width: int) -> Any:

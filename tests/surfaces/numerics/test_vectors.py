@@ -31,7 +31,7 @@ def test_vectors_are_read_and_written_from_any_element_on(dtype, width):
 
 @both
 def test_groups_are_counted(dtype, width):
-    load, put, add = vectors.loader(width, True), vectors.storer(True), vectors.adder(True)
+    load, put, add = vectors.loader(width, True), vectors.storer(True), vectors.add
 
     @njit
     def moved(a, out):
