@@ -115,7 +115,6 @@ def _part(sample: Sample, color: str, count: int) -> Part:
 def _add_comparison(part: Part, comparison: ComparisonRecord, color: str, count: int) -> None:
     alone = count == 1
     part.plan = comparison.plan
-    part.surface = height_figure(comparison, int(SHOWN / math.sqrt(count)))
     part.judged = tables.judged(comparison)
     part.errors = tables.error_table(comparison)
     part.runs = tables.pareto_table(comparison.pareto)
@@ -127,6 +126,7 @@ def _add_comparison(part: Part, comparison: ComparisonRecord, color: str, count:
     surface = comparison.surface
     if surface is None:
         return
+    part.surface = height_figure(surface, comparison, int(SHOWN / math.sqrt(count)))
     try:
         found, curves = described(surface)
     except SurfaceError:

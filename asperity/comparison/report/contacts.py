@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from asperity.comparison.record import ComparisonRecord
 from surfaces.arrays import Mask
 from surfaces.drawing import prefixed_unit
+from surfaces.heightmap import HeightMap
 from surfaces.page.fields import Layer, map_figure, reduced, reduction, touched
 from surfaces.page.figures import Figure
 from surfaces.page.lines import Line, line_figure
@@ -33,15 +34,13 @@ DRAWN = 400
 """Points of a line of contact sizes."""
 
 
-def height_figure(comparison: ComparisonRecord, most: int) -> Figure | None:
+def height_figure(surface: HeightMap, comparison: ComparisonRecord, most: int) -> Figure:
     """The map with the contacts of boundary elements, at most `most` points along a side."""
-    if comparison.surface is None:
-        return None
     mask = touched(comparison.maps["bem"], most)
     over = Layer("contact", "", mask, [MARK], 0.5, 1.5, explained=False)
     title = f"Height map, contacts at {load_of_maps(comparison)}"
     return surface_figure(
-        comparison.surface,
+        surface,
         over,
         title=title,
         keys=[(MARK, "in contact (boundary elements)")],
