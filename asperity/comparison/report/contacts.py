@@ -58,26 +58,20 @@ def contact_figures(comparison: ComparisonRecord) -> list[Figure]:
     top = _upper(pressures[0])
     factor, unit = prefixed_unit(top, "Pa")
     shown = [reduced(one / np.float32(factor)) for one in pressures]
+    bem, model = (np.where(one > 0, one, np.nan) for one in shown)
     apart = np.where(shown[0] + shown[1] > 0, shown[1] - shown[0], np.nan)
-    fields = [
-        ("Pressure, boundary elements", np.where(shown[0] > 0, shown[0], np.nan)),
-        ("Pressure, microcontacts", np.where(shown[1] > 0, shown[1], np.nan)),
-        ("Pressure, microcontacts less boundary elements", apart),
-    ]
+    high, off = top / factor, _upper(np.abs(apart))
+    layers = {
+        "Pressure, boundary elements": Layer("pressure", unit, bem, Plasma256, 0.0, high),
+        "Pressure, microcontacts": Layer("pressure", unit, model, Plasma256, 0.0, high),
+        "Pressure, microcontacts less boundary elements": Layer(
+            "difference", unit, apart, SIGNED, -off, off
+        ),
+    }
     found: list[Figure] = []
-    for title, field in fields:
-        signed = field is apart
-        high = _upper(np.abs(field)) if signed else top / factor
-        layer = Layer(
-            "difference" if signed else "pressure",
-            unit,
-            field,
-            SIGNED if signed else Plasma256,
-            -high if signed else 0.0,
-            high,
-        )
+    for title, layer in layers.items():
         plot = map_figure([layer], size, along=found[0].plot if found else None)
-        ends = f"Colors end at {high:.3g} {unit}."
+        ends = f"Colors end at {layer.high:.3g} {unit}."
         found.append(Figure(plot, title, " ".join(filter(None, (ends, note)))))
     return [*found, contacts_figure(comparison, size, note, along=found[0].plot)]
 
