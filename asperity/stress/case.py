@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-__all__ = ["Case"]
+__all__ = ["BEM", "Case"]
+
+BEM = "boundary elements"
+"""Name of that engine."""
 
 SECONDS = 10.0
 """Time that a case may take on two processors [s], unless it states another."""

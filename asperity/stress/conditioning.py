@@ -10,7 +10,7 @@ from asperity.bem.solve import bem_solve
 from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
 
-from .case import Case
+from .case import BEM, Case
 from .judges import refuse
 from .maps import rough
 
@@ -51,9 +51,7 @@ def conditioning_cases() -> Iterator[Case]:
     """Cases of conditioning."""
     for work in WORKS:
         name = f"{work.size} x {work.size}, m = {work.m}, load of {work.load:g}"
-        yield Case(
-            "conditioning", name, "boundary elements", "bound on the work", partial(_share, work)
-        )
+        yield Case("conditioning", name, BEM, "bound on the work", partial(_share, work))
 
 
 def _share(work: Work) -> float:

@@ -17,7 +17,7 @@ from asperity.microcontact.single.punch import flat_punch
 from surfaces.heightmap import HeightMap
 from surfaces.polar import PolynomialProfile, PowerLawProfile, PowerSumProfile
 
-from .case import Case
+from .case import BEM, Case
 from .closed_forms import elliptic_contact, power_law_contact
 from .judges import Refused, close, refuse
 
@@ -25,8 +25,6 @@ __all__ = ["contact_cases"]
 
 OF_ANY_POWER = tuple(law for law in LAWS if law != "hertz")
 """Laws that take a body of any power: all but that of paraboloids."""
-
-BEM = "boundary elements"
 
 LAW_FORCE, LAW_AREA = 2e-3, 5e-3
 """Errors allowed to a law beside the one it states [-]."""

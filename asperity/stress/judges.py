@@ -26,6 +26,7 @@ from asperity.results.curve import ContactCurve
 from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
+from .case import BEM
 from .closed_forms import free_displacement, periodic_displacement
 
 __all__ = [
@@ -64,7 +65,7 @@ class Doubted(AsperityError):
 
 ENGINES: Mapping[str, Callable[..., ContactCurve]] = {
     "model": contact_curve,
-    "boundary elements": bem_curve,
+    BEM: bem_curve,
     "solve": solve,
     "solve, anchored": partial(solve, engine="anchored"),
 }

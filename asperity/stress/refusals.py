@@ -16,7 +16,7 @@ from asperity.microcontact.single.indent import indent
 from surfaces.heightmap import HeightMap
 from surfaces.polar import PowerLawProfile
 
-from .case import Case
+from .case import BEM, Case
 from .judges import ENGINES
 from .maps import rough
 
@@ -70,11 +70,11 @@ def refusal_cases() -> Iterator[Case]:
         for name, scene in {"no map": (hm.heights, material), "no material": (hm, 1e9)}.items():
             yield _case(engine, name, partial(ask, *scene, pressures=[1.0]))
         yield _case(engine, "no boundary", partial(ask, hm, material, boundary="open"))
-    yield _case("boundary elements", "no gap left", partial(bem_solve, hm, material, separation=0))
+    yield _case(BEM, "no gap left", partial(bem_solve, hm, material, separation=0))
     for name, depth in NOT_DEPTHS.items():
         yield _case("law auto", f"approach: {name}", partial(indent, ball, material, depth))
         press = partial(indent_bem, ball, material, depth)
-        yield _case("boundary elements", f"approach: {name}", press)
+        yield _case(BEM, f"approach: {name}", press)
     for k in (0.0, -1.0, math.nan):
         yield _case("law auto", f"tip of power {k}", partial(PowerLawProfile, k, 1.0))
 

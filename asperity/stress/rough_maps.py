@@ -15,14 +15,12 @@ from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 from surfaces.preparation.resampling import resample
 
-from .case import Case
+from .case import BEM, Case
 from .closed_forms import periodic_displacement, wave_contact
 from .judges import ENGINES, Question, alike, bounded, certified, close, refuse
 from .maps import TEXTURES, rough, rough_heights
 
 __all__ = ["map_cases"]
-
-BEM = "boundary elements"
 
 UNIT = 1e-6
 """Pixel size [m] of maps whose units are not the point."""
