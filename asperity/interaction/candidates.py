@@ -75,6 +75,8 @@ class CandidateList:
 
     Attributes
     ----------
+    system
+        Summits, laws and half-space.
     problem
         Laws and interaction of the candidates.
     index
@@ -89,6 +91,7 @@ class CandidateList:
         Last change of `offset` [m], shape (2, all).
     """
 
+    system: ContactSystem
     problem: Problem
     index: Index
     others: Index
@@ -159,6 +162,7 @@ class CandidateList:
         others[index] = False
         left = system.by_height[others[system.by_height]]
         return cls(
+            system=system,
             problem=problem,
             index=index,
             others=left,
@@ -168,23 +172,16 @@ class CandidateList:
         )
 
     def lacks(
-        self,
-        system: ContactSystem,
-        field: SmoothField | None,
-        separation: float,
-        growth: float,
-        allowed: float = 0.0,
+        self, field: SmoothField | None, separation: float, growth: float, allowed: float = 0.0
     ) -> bool:
         """Whether more than `allowed` summits that overlap are no candidates; other arguments are
         those of `of`."""
         if not len(self.others):
             return False
-        _, overlap = _overlaps(system, self.others, field, separation, growth)
+        _, overlap = _overlaps(self.system, self.others, field, separation, growth)
         return bool(np.count_nonzero(overlap > 0) > allowed)
 
-    def recentred(
-        self, system: ContactSystem, rows: Index, values: Array, tolerance: float
-    ) -> CandidateList | None:
+    def recentred(self, rows: Index, values: Array, tolerance: float) -> CandidateList | None:
         """The list with each point moved to the centre of its contact, as the laws give it at the
         `Point.values` of the summits `rows`.
 
@@ -194,6 +191,7 @@ class CandidateList:
         many contacts may leap farther, to another top of their basin: they do not call for a new
         list, which would be as wrong when they leap back.
         """
+        system = self.system
         if not system.has_centres:
             return self
         touches = np.flatnonzero(values[0] > 0)
@@ -207,7 +205,7 @@ class CandidateList:
         many = min(1.0, len(touches) / MANY_CONTACTS)
         bound = max(LARGEST_FIELD_ERROR, many * ERROR_PER_TOLERANCE * tolerance)
         seen = bound, rows[some], law, *values[[0, 2, 3]][:, some]
-        if not self._strayed(system, *seen):
+        if not self._strayed(*seen):
             return self
         closed, approach = rows[touches], values[0, touches]
         paired, skin = self.paired[:, closed], PAIR_LIST_SKIN * coupling.eta
@@ -217,7 +215,7 @@ class CandidateList:
             return None
         change = np.zeros_like(self.offset)
         change[:, closed] = paired + np.clip(reach, -skin, skin) - self.offset[:, closed]
-        if replace(self, offset=self.offset + change)._strayed(system, *seen):
+        if replace(self, offset=self.offset + change)._strayed(*seen):
             return None
         back = np.sum(change * self.moved, axis=0) < 0
         change[:, back] *= RETURNING_SHARE
@@ -226,27 +224,21 @@ class CandidateList:
         return replace(self, problem=problem, offset=self.offset + change, moved=change)
 
     def _strayed(
-        self,
-        system: ContactSystem,
-        bound: float,
-        closed: Index,
-        law: Evaluated,
-        approach: Array,
-        *tilt: Array,
+        self, bound: float, closed: Index, law: Evaluated, approach: Array, *tilt: Array
     ) -> bool:
         """Whether points are too far from the centres of their contacts: by `LARGEST_DISTANCE` in
         the mean, or so that the slope `tilt` of the field over this distance changes the load by
         more than the share `bound`."""
-        centre = system.table.centre_at(closed, approach)
+        centre = self.system.table.centre_at(closed, approach)
         x, y = np.subtract(centre, self.offset[:, closed])
         lower = np.sum(law.stiffness * (tilt[0] * y + tilt[1] * x))
         astray = np.hypot(x, y) - LARGEST_DISTANCE * np.sqrt(law.area / np.pi)
         return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 
-    def areas(self, system: ContactSystem, solution: Solution) -> Array:
+    def areas(self, solution: Solution) -> Array:
         """Contact areas [m^2], shape (n,), with the growth (`widened`) of contacts that stand
         beside rough summits."""
-        law, problem, table = solution.laws, self.problem, system.table
+        law, problem, table = solution.laws, self.problem, self.system.table
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
         tilts = solution.tilt, problem.radii

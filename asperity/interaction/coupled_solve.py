@@ -119,8 +119,8 @@ def solve_at(
         growth, rise = 1.0, 0.0
         # a missing summit that just touches would carry less than the mean load of a contact
         few = LACKING_CANDIDATES * tolerance * np.count_nonzero(values[0] > 0)
-        again = not (listed.lacks(system, field, separation, growth, few) or blind)
-        listed = current.recentred(system, rows, values, tolerance) if again else None
+        again = not (listed.lacks(field, separation, growth, few) or blind)
+        listed = current.recentred(rows, values, tolerance) if again else None
         blind = False
         if listed is current:
             stands = True
@@ -136,7 +136,7 @@ def solve_at(
     elif settled and not (reason or stands or crowded):
         reason = f"after {MAX_LISTS} lists the contacts stand elsewhere than their points"
     solution = replace(solution, reason=reason, steps=steps, products=products)
-    area = current.areas(system, solution)
+    area = current.areas(solution)
     return _state(last.after(solution, current), current.index, area, solution)
 
 
@@ -160,15 +160,15 @@ def start_of(
     last: Continuation, separation: float, pressure: float | None, tolerance: float
 ) -> Start:
     """Start of the solve of a point; arguments as in `solve_at`."""
-    system, listed = last.system, last.candidates
+    listed = last.candidates
     rows, values = last.predicted(separation, pressure)
     growth, spare = FIELD_GROWTH, SPARE_CANDIDATES
     if pressure is not None and last.points and last.points[-1].pressure > 0:
         growth, spare = max(1.0, pressure / last.points[-1].pressure), SPARE_CANDIDATES_OF_LOAD
     rise = last.rise(separation, values)
     if listed is not None:
-        lacks = listed.lacks(system, last.field, separation + rise, growth)
-        listed = None if lacks else listed.recentred(system, rows, values, tolerance)
+        lacks = listed.lacks(last.field, separation + rise, growth)
+        listed = None if lacks else listed.recentred(rows, values, tolerance)
     return Start(rows, values, growth, spare, rise, listed)
 
 

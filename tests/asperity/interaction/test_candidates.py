@@ -58,7 +58,7 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     values[0] *= 3.0
     centre, touches = placed(population, listing, values)
     rows, skin = listing.index[touches], PAIR_LIST_SKIN * listing.problem.coupling.eta
-    found = listing.recentred(population, listing.index, values, 1e-3)
+    found = listing.recentred(listing.index, values, 1e-3)
     for new, place in zip(centre, found.offset, strict=True):
         np.testing.assert_allclose(place[rows], new, rtol=1e-12)
     assert found.paired is listing.paired
@@ -66,12 +66,12 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     elsewhere = listing.paired.copy()
     elsewhere[:, lightest] = found.offset[:, lightest] + 2.0 * skin
     leaping = replace(listing, paired=elsewhere)
-    assert leaping.recentred(population, listing.index, values, 1e-3) is None  # among few it counts
+    assert leaping.recentred(listing.index, values, 1e-3) is None  # among few it counts
     monkeypatch.setattr(module, "MANY_CONTACTS", 1)
-    found = leaping.recentred(population, listing.index, values, 1e-3)
+    found = leaping.recentred(listing.index, values, 1e-3)
     np.testing.assert_allclose(found.offset[:, lightest], elsewhere[:, lightest] - skin)
     elsewhere = listing.paired + 2.0 * skin
-    lost = replace(listing, paired=elsewhere).recentred(population, listing.index, values, 1e-3)
+    lost = replace(listing, paired=elsewhere).recentred(listing.index, values, 1e-3)
     assert lost is None
 
 
@@ -81,12 +81,12 @@ def test_points_that_are_moved_back_go_half_of_the_way(light, narrow):
     values[0] *= 3.0
     _, touches = placed(population, listing, values)
     rows = listing.index[touches]
-    way = listing.recentred(population, listing.index, values, 1e-3).moved[:, rows]
+    way = listing.recentred(listing.index, values, 1e-3).moved[:, rows]
     assert (np.abs(way).max(axis=0) > 0).any()
     for sign, share in ((1.0, 1.0), (-1.0, 0.5)):
         before = np.zeros_like(listing.moved)
         before[:, rows] = sign * way
-        found = replace(listing, moved=before).recentred(population, listing.index, values, 1e-3)
+        found = replace(listing, moved=before).recentred(listing.index, values, 1e-3)
         np.testing.assert_allclose(found.offset[:, rows] - listing.offset[:, rows], share * way)
         np.testing.assert_array_equal(found.moved[:, rows], share * way)
 
@@ -94,14 +94,14 @@ def test_points_that_are_moved_back_go_half_of_the_way(light, narrow):
 def test_more_contacts_may_stand_a_little_astray_under_a_wider_tolerance(
     light, narrow, monkeypatch
 ):
-    population, listing, values = light
+    _, listing, values = light
     values = values.copy()
     values[0] *= 2.0
-    assert listing.recentred(population, listing.index, values, 1.0) is not listing
+    assert listing.recentred(listing.index, values, 1.0) is not listing
     monkeypatch.setattr(module, "LARGEST_DISTANCE", 1.0)
     monkeypatch.setattr(module, "MANY_CONTACTS", 1)
-    assert listing.recentred(population, listing.index, values, 1e-3) is not listing
-    assert listing.recentred(population, listing.index, values, 1.0) is listing
+    assert listing.recentred(listing.index, values, 1e-3) is not listing
+    assert listing.recentred(listing.index, values, 1.0) is listing
 
 
 def test_a_plan_holds_until_footprints_outgrow_it(light):
@@ -123,7 +123,7 @@ def test_summits_of_a_free_body_sink_with_it():
         assert state.active < len(state.rows) < 1.9 * state.active
         last = state.continuation
         found = last.field, state.separation, 1.0
-        assert not last.candidates.lacks(last.system, *found, 0.01 * state.active)
+        assert not last.candidates.lacks(*found, 0.01 * state.active)
 
 
 def test_a_list_that_does_not_last_goes_before_the_next_is_made(monkeypatch):
