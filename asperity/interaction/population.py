@@ -115,27 +115,23 @@ class Population(ContactSystem):
             raise InputError(f"tolerance must be positive, got {tolerance!r}")
         self.laws.foresee(None)
         last = Continuation(self) if state is None else state.continuation
-        if kind == "separation":
-            return self._unless_crowded(reached(last, goal, tolerance))
-        if heaviest is not None and state is not None and state.mean_pressure > 0:
+        loaded = kind == "pressure"
+        if loaded and heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > goal else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
-        if goal == 0:
-            return self._unless_crowded(solve_at(last, self.highest, tolerance))
-        if self.interaction:
-            return self._unless_crowded(reached(last, goal, tolerance, loaded=True))
-        return self._unless_crowded(independent(last, goal))
-
-    def _unless_crowded(self, state: PopulationState) -> PopulationState:
-        share = state.contact_area / self.nominal_area
-        most = self.parameters.limits.area
+        if loaded and goal == 0:
+            found = solve_at(last, self.highest, tolerance)
+        elif loaded and not self.interaction:
+            found = independent(last, goal)
+        else:
+            found = reached(last, goal, tolerance, loaded=loaded)
+        share, most = found.contact_area / self.nominal_area, self.parameters.limits.area
         if share > most:
-            reason = (
+            return found.refused(
                 f"contacts fill {100 * share:.0f} % of the nominal area, more than the "
                 f"{100 * most:.0f} % up to which separate contacts are a model"
             )
-            return state.refused(reason)
-        return state
+        return found
 
 
 def handed_on(
