@@ -139,19 +139,14 @@ def _aspect_curve(m: float) -> CubicSpline:
     return CubicSpline(-np.log(across / along), log_beta)
 
 
-def _log_ratio(ratio: Array, m: float) -> Array:
-    """Logarithm of a curvature ratio >= 1, refused where it is that of a line."""
-    if np.any(-np.log(ratio) < _aspect_curve(m).x[0]):
+def _aspect(ratio: Array, m: float) -> Array:
+    """Aspect b/a in (0, 1] of the contact whose curvature ratio is `ratio` >= 1, refused where it
+    is that of a line."""
+    curve, target = _aspect_curve(m), -np.log(ratio)
+    if np.any(target < curve.x[0]):
         raise InputError(
             f"the curvature ratio {np.max(ratio):.3g} is too large for a point contact"
         )
-    return np.asarray(np.log(ratio))
-
-
-def _aspect(ratio: Array, m: float) -> Array:
-    """Aspect b/a in (0, 1] of the contact whose curvature ratio is `ratio` >= 1."""
-    curve = _aspect_curve(m)
-    target = -_log_ratio(ratio, m)
     log_beta = np.minimum(curve(target), 0.0)
     slope = curve(target, 1)
     for _ in range(2):
