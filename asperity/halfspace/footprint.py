@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import dataclass
 
@@ -122,13 +121,11 @@ def _pair_shape(m: float, w: Array) -> tuple[Array, ...]:
     )
 
 
-@functools.lru_cache(maxsize=16)
 def pair_table(m: float) -> Array:
     """H, K and J at equispaced w = S^2 / (r^2 + S^2) in [0, 1], shape (nodes + 1, 3)."""
     return np.stack(_pair_shape(m, np.linspace(0.0, 1.0, PAIR_NODES + 1)), axis=1)
 
 
-@functools.lru_cache(maxsize=16)
 def smooth_polynomials(m: float, limit: float) -> Array:
     """Smooth part of the point kernel for x = (r/eta)^2 up to `limit`.
 
