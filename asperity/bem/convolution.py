@@ -21,6 +21,8 @@ from . import _grid_kernels
 
 __all__ = ["Convolution", "FFTWTransform", "ScipyTransform", "plan", "prefers_fftw"]
 
+Shape = tuple[int, int]
+
 _ROWS = 16
 """Rows transformed at a time."""
 
@@ -40,7 +42,7 @@ _home: int | None = None
 """Process in which FFTW first ran on threads: one forked from it lacks them, and would wait."""
 
 
-def _threads(padded: tuple[int, int]) -> int:
+def _threads(padded: Shape) -> int:
     """Threads of a whole transform: one in processes forked from the one that has them."""
     global _home
     count = parallel.threads() if math.prod(padded) > _ONE_THREAD else 1
@@ -76,14 +78,7 @@ class Convolution:
     values: NDArray[Any]
     grid: NDArray[Any]
 
-    def __init__(
-        self, shape: tuple[int, int], padded: tuple[int, int], dtype: np.dtype[Any]
-    ) -> None:
-        self._shape, self._padded = shape, padded
-        self._plan(dtype)
-
-    def _plan(self, dtype: np.dtype[Any]) -> None:
-        """Set `values` and `grid`, and what the transforms need."""
+    def __init__(self, shape: Shape, padded: Shape, dtype: np.dtype[Any]) -> None:
         raise NotImplementedError
 
     def apply(self, symbol: NDArray[Any]) -> None:
@@ -95,12 +90,7 @@ class Convolution:
         raise NotImplementedError
 
 
-def plan(
-    shape: tuple[int, int],
-    padded: tuple[int, int],
-    *,
-    dtype: Any = np.float64,
-) -> Convolution:
+def plan(shape: Shape, padded: Shape, *, dtype: Any = np.float64) -> Convolution:
     """The convolution that is faster for a grid (ny, nx) and its padded shape, by float64 or 32.
 
     The limits come from single passes timed on two cores: whole transforms are faster below
@@ -113,7 +103,7 @@ def plan(
     return kind(shape, padded, np.dtype(dtype))
 
 
-def prefers_fftw(shape: tuple[int, int]) -> bool:
+def prefers_fftw(shape: Shape) -> bool:
     """Whether FFTW (estimated plans) is faster than scipy on this shape.
 
     Measured on two cores: FFTW wins by 1.1-2.5 for lengths with factors up to 13, scipy by 3-4
@@ -126,11 +116,11 @@ def prefers_fftw(shape: tuple[int, int]) -> bool:
 class FFTWTransform(Convolution):
     """FFTW pair whose output lies in the buffer of the spectrum."""
 
-    def _plan(self, dtype: np.dtype[Any]) -> None:
+    def __init__(self, shape: Shape, padded: Shape, dtype: np.dtype[Any]) -> None:
         import pyfftw
 
-        rows, (ny, nx) = self._shape[0], self._padded
-        threads = _threads(self._padded)
+        rows, (ny, nx) = shape[0], padded
+        threads = _threads(padded)
         complex_type = np.result_type(dtype, np.complex64)
         self.values = pyfftw.zeros_aligned((rows, nx), dtype)
         self._spectrum = pyfftw.zeros_aligned((ny, nx // 2 + 1), complex_type)
@@ -167,10 +157,10 @@ class FFTWTransform(Convolution):
 class ScipyTransform(Convolution):
     """Pair of scipy.fft."""
 
-    def _plan(self, dtype: np.dtype[Any]) -> None:
-        shape = self._shape[0], self._padded[1]
-        self.values, self.grid = np.zeros(shape, dtype), np.zeros(shape, dtype)
-        self._workers = _threads(self._padded)
+    def __init__(self, shape: Shape, padded: Shape, dtype: np.dtype[Any]) -> None:
+        rows, nx = shape[0], padded[1]
+        self.values, self.grid = np.zeros((rows, nx), dtype), np.zeros((rows, nx), dtype)
+        self._padded, self._workers = padded, _threads(padded)
 
     def apply(self, symbol: NDArray[Any]) -> None:
         ny, nx = self._padded
@@ -185,12 +175,11 @@ class ScipyTransform(Convolution):
 class _Blocked(Convolution):
     """Rows and columns in blocks, on all threads."""
 
-    def _plan(self, dtype: np.dtype[Any]) -> None:
-        ny, _ = self._shape
-        self._half = self._padded[1] // 2 + 1
-        self.values = np.zeros(self._shape, dtype)
-        self._lines = [_Lines(self._padded, dtype) for _ in range(parallel.threads())]
-        self._spectrum = np.zeros((ny, self._half), self._lines[0].half.dtype)
+    def __init__(self, shape: Shape, padded: Shape, dtype: np.dtype[Any]) -> None:
+        self._shape, self._half = shape, padded[1] // 2 + 1
+        self.values = np.zeros(shape, dtype)
+        self._lines = [_Lines(padded, dtype) for _ in range(parallel.threads())]
+        self._spectrum = np.zeros((shape[0], self._half), self._lines[0].half.dtype)
         self.grid = self._spectrum.view(dtype)
 
     def apply(self, symbol: NDArray[Any]) -> None:
@@ -240,7 +229,7 @@ class _Lines:
     Rows go from `rows` to `half` and back, which destroys `half`; columns stay in their place.
     """
 
-    def __init__(self, padded: tuple[int, int], dtype: np.dtype[Any]) -> None:
+    def __init__(self, padded: Shape, dtype: np.dtype[Any]) -> None:
         import pyfftw
 
         ny, nx = padded
