@@ -27,12 +27,7 @@ from asperity.model.plan import Plan, make_plan, require_plan
 from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
-from asperity.trust.error_estimate import (
-    CALIBRATED,
-    estimate,
-    nonrandomness,
-    terms,
-)
+from asperity.trust.error_estimate import CALIBRATED, estimate, nonrandomness, terms
 from asperity.trust.verified import anchored
 from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap

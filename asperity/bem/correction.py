@@ -147,10 +147,7 @@ class NestedGrid:
         return self.exact.pressure[:, : self.heights.shape[1]]
 
     def solve(
-        self,
-        goal: Prescribed,
-        tolerance: float,
-        origin: PressureOrigin = PressureOrigin.GIVEN,
+        self, goal: Prescribed, tolerance: float, origin: PressureOrigin = PressureOrigin.GIVEN
     ) -> GridSolution:
         """Correct the pressure until each entry of its certificate is within the tolerance.
 
@@ -227,11 +224,7 @@ class NestedGrid:
     def select(self, reading: Reading, threshold: float) -> Selection:
         """Points with a pressure or with a gap up to a threshold."""
         start, columns, pressure, gap = _grid_kernels.select(
-            self.exact.pressure,
-            self.exact.displacement,
-            self.heights,
-            reading.block_low,
-            threshold,
+            self.exact.pressure, self.exact.displacement, self.heights, reading.block_low, threshold
         )
         return ContactList(start, columns), pressure, gap
 

@@ -226,12 +226,7 @@ def _shaped(values: list[Any], like: Array) -> Any:
 
 
 def _one(
-    profile: Profile,
-    material: HalfSpace,
-    name: str,
-    value: float,
-    grid: int,
-    tolerance: float,
+    profile: Profile, material: HalfSpace, name: str, value: float, grid: int, tolerance: float
 ) -> tuple[BemSolution, tuple[float, float], bool, float]:
     """Solve on a coarse grid around {f < d}, then on a fine one around the contact found."""
     if name == "approach":

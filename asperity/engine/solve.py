@@ -22,11 +22,7 @@ from asperity.model.plan import make_plan
 from asperity.parameters import DEFAULTS
 from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import verified_facts
-from asperity.trust.verified import (
-    Accuracy,
-    anchors_suffice,
-    verified,
-)
+from asperity.trust.verified import Accuracy, anchors_suffice, verified
 from surfaces.arrays import Array
 from surfaces.errors import as_choice, as_number
 

@@ -21,12 +21,7 @@ from surfaces.numerics.parallel import by_rows
 from .footprint import Footprints
 from .material import HalfSpace
 
-__all__ = [
-    "compliance",
-    "influence",
-    "near_influence",
-    "symbol_quadrant",
-]
+__all__ = ["compliance", "influence", "near_influence", "symbol_quadrant"]
 
 _NEAR_CELLS = 8
 """Distance in cells up to which the corner function is used."""

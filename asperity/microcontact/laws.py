@@ -122,11 +122,7 @@ LAWS = tuple(TABULATORS)
 
 
 def elastic_table(
-    profiles: Profiles,
-    material: HalfSpace,
-    *,
-    law: str,
-    choice: LawChoice = DEFAULTS.law_choice,
+    profiles: Profiles, material: HalfSpace, *, law: str, choice: LawChoice = DEFAULTS.law_choice
 ) -> LawTable:
     """`tabulate` without the hardness. If the half-space has one, the table holds the bearing areas
     from which `capped_table` makes the laws with the hardness. `choice` is that of the law "auto".

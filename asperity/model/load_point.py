@@ -100,10 +100,7 @@ def load_point(decomposition: Decomposition, state: PopulationState) -> LoadPoin
 
 
 def point_at_separation(
-    decomposition: Decomposition,
-    separation: float,
-    last: LoadPoint | None,
-    tolerance: float,
+    decomposition: Decomposition, separation: float, last: LoadPoint | None, tolerance: float
 ) -> LoadPoint:
     """The load point at which the flat stands at a separation [m] from the whole surface.
 

@@ -24,14 +24,7 @@ from asperity.parameters import DEFAULTS, ErrorEstimate
 from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
-__all__ = [
-    "CALIBRATED",
-    "OUTSIDE_MODEL",
-    "TERMS",
-    "estimate",
-    "nonrandomness",
-    "terms",
-]
+__all__ = ["CALIBRATED", "OUTSIDE_MODEL", "TERMS", "estimate", "nonrandomness", "terms"]
 
 
 TERMS = (

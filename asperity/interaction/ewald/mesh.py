@@ -142,11 +142,7 @@ class SmoothField:
 
 
 def mesh_of(
-    footprints: Footprints,
-    size: tuple[float, float],
-    periodic: bool,
-    nodes: float,
-    precision: type,
+    footprints: Footprints, size: tuple[float, float], periodic: bool, nodes: float, precision: type
 ) -> Mesh:
     """The `Mesh` of these arguments. That of a periodic cell is kept for later calls, that of a
     free half-space not: its extent is that of the points, which changes from list to list."""

@@ -123,11 +123,7 @@ class Expansion:
 
 
 def indent(
-    profile: PowerSumProfile | PolarProfile,
-    material: HalfSpace,
-    approach: Array,
-    *,
-    law: str,
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: Array, *, law: str
 ) -> Indentation:
     """Solution by the laws "paper" and "harmonic"; see `asperity.indent`."""
     basis = basis_of(profile, material.m)

@@ -81,10 +81,7 @@ class FlatPunch:
 
 
 def flat_punch(
-    edge: Callable[[Array], ArrayLike] | ArrayLike,
-    material: HalfSpace,
-    *,
-    corners: ArrayLike = (),
+    edge: Callable[[Array], ArrayLike] | ArrayLike, material: HalfSpace, *, corners: ArrayLike = ()
 ) -> FlatPunch:
     """Flat punch with the boundary `edge`.
 

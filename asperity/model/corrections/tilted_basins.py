@@ -27,10 +27,7 @@ __all__ = ["area_under", "correct"]
 
 
 def correct(
-    population: Population,
-    summits: Summits,
-    state: PopulationState,
-    fitted: TiltedBasins,
+    population: Population, summits: Summits, state: PopulationState, fitted: TiltedBasins
 ) -> PopulationState:
     """The state with the areas of contacts on tilted basins corrected; forces do not change.
 
