@@ -16,7 +16,6 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.footprint import Footprints
@@ -34,8 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Split", "chosen_grid", "refined_map", "split_scales"]
 
-
-Array = NDArray[np.float64]
 
 EMPTY_RMS = 1e-9
 """Rms height of a finer grid, over that of the map, below which it has lost all waves."""

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import settings
 from samples import SPACING, form, noise
 
 import surfaces
 from surfaces.errors import InputError, SurfaceError
-
-STABLE = settings(max_examples=20, deadline=None, derandomize=True)
 
 
 def smooth(ny: int = 64, nx: int = 90) -> surfaces.HeightMap:
