@@ -105,13 +105,9 @@ class Decomposition:
         if np.isinf(self.material.hardness) and np.isfinite(material.hardness):
             raise InputError("this decomposition was made without a hardness; make another one")
         seconds = dict.fromkeys(self.seconds, 0.0)
-        law = self.plan.sub_contact_law
-        if law is not None:
-            law = replace(law, hardness=material.hardness)
         return replace(
             self,
             material=material,
-            plan=replace(self.plan, sub_contact_law=law),
             law_factory=self.law_factory.of_hardness(material, seconds),
             seconds=seconds,
         )

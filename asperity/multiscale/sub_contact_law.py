@@ -48,8 +48,6 @@ class SubContactLaw:
         Exponent of the grading of the body.
     rms
         Rms height [m] of the longer waves, and of all waves.
-    hardness
-        Largest pressure [Pa] that the contacts bear.
     fitted
         Constants of the law.
 
@@ -99,7 +97,6 @@ class SubContactLaw:
     number: float
     m: float = 0.0
     rms: tuple[float, float] = (1.0, 1.0)
-    hardness: float = np.inf
     fitted: SubContact = DEFAULTS.sub_contact
 
     @property
@@ -110,13 +107,16 @@ class SubContactLaw:
         graded = 1.0 - fitted.graded_spread[0] * self.m - fitted.graded_spread[1] * self.m**2
         return plain * graded
 
-    def remaining(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
+    def remaining(
+        self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf, hardness: float = np.inf
+    ) -> Array:
         """Share c of the area of contacts that stays closed, at their mean `pressure` p [Pa].
 
-        `share` is P. Without an `area` [m^2] contacts are much wider than the fine waves.
+        `share` is P. Without an `area` [m^2] contacts are much wider than the fine waves; without a
+        `hardness` [Pa] they are elastic.
         """
         closed = self.elastic_share(pressure, share, area) ** 3
-        yielded = np.minimum(np.asarray(pressure) / self.hardness, 1.0) ** 3
+        yielded = np.minimum(np.asarray(pressure) / hardness, 1.0) ** 3
         return np.asarray(np.cbrt(closed + yielded * (1.0 - closed)))
 
     def elastic_share(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
@@ -195,7 +195,8 @@ def surface_point(
     has opened have no approach, so that all of them bear a step further and none a step back.
     """
     stiffness = unloading = state.normal_stiffness
-    hard = population.material.hardness < np.inf
+    hardness = population.material.hardness
+    hard = hardness < np.inf
     if hard and stiffness > 0.0:
         unloading = max(state.unloading_stiffness, stiffness)
     if law is None:
@@ -223,7 +224,8 @@ def surface_point(
         if hard:
             elastic = force / population.table.elastic_at(closed[kept], approach[kept])[0]
             spots = width @ law.elastic_share(elastic / width, share, width)
-            intact = float(spots / (width @ law.remaining(force / width, share, width)))
+            closed_share = law.remaining(force / width, share, width, hardness)
+            intact = float(spots / (width @ closed_share))
         stored = law.stored(elastic / width, share)
         return float(np.sum(width * stored)), float(elastic.sum()), float(force.sum()), intact
 
@@ -253,11 +255,11 @@ def surface_point(
 def closed_areas(population: Population, law: SubContactLaw, state: PopulationState) -> Array:
     """Area [m^2] that the fine waves leave closed in each contact, shape (n,)."""
     closed, nominal = np.flatnonzero(state.force > 0), population.nominal_area
-    area = np.zeros(len(state.force))
+    area, hardness = np.zeros(len(state.force)), population.material.hardness
     whole = state.area[closed]
     pressure = state.force[closed] / whole
     share = state.contact_area / nominal
     for _ in range(2):
-        area[closed] = whole * law.remaining(pressure, share, whole)
+        area[closed] = whole * law.remaining(pressure, share, whole, hardness)
         share = 0.5 * (state.contact_area + float(area.sum())) / nominal
     return area

@@ -183,7 +183,6 @@ def _law(
         number=float((lost[4] / lost[3]) ** (1.0 / (1.0 - material.m))),
         m=material.m,
         rms=(math.sqrt(sums[last, 0]), math.sqrt(sums[-1, 0])),
-        hardness=material.hardness,
         fitted=parameters.sub_contact,
     )
 
