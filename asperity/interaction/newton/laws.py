@@ -93,9 +93,6 @@ class Laws:
         if lazy is not nodes:
             self.make()
 
-    def __len__(self) -> int:
-        return len(self.index)
-
     def rows(self, index: Index) -> Laws:
         """The laws of the contacts `index` alone; the table is shared."""
         part = object.__new__(Laws)
