@@ -161,10 +161,8 @@ def certify(
         return Reading(certificate, 0, 0, level, scale, 0.0, 0.0, 0.0, block_low)
     if goal.level is not None:
         load = abs(level - goal.level) / scale
-    elif goal.mean:
-        load = abs(total / heights.size / goal.mean - 1.0)
     else:
-        load = float("inf")
+        load = abs(total / heights.size / goal.mean - 1.0)
     certificate = Certificate(
         load=max(load, excess / total),
         complementarity=max(work / total - lowest, 0.0) / scale,
