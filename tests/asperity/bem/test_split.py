@@ -90,13 +90,13 @@ def test_fitted_symbol(m, aspect):
     assert relative[outside].max() < 0.06
 
 
-@pytest.mark.parametrize("m", [-0.5, 0.0, 0.5, 0.8])
-@pytest.mark.parametrize("aspect", [0.4, 1.0, 3.0])
+@pytest.mark.parametrize("m", [-0.99, -0.88, -0.5, 0.0, 0.5, 0.99])
+@pytest.mark.parametrize("aspect", [1e-6, 0.4, 1.0, 3.0])
 def test_preconditioner_is_positive(m, aspect):
     """The symbol of the cut-off stencil has no zero."""
     taps = stencil.precondition_stencil(aspect, m)
     f = np.linspace(0, 0.5, 200)
-    assert stencil.stencil_symbol(taps, f, f).min() > 0.01 * taps.max()
+    assert stencil.stencil_symbol(taps, f, f).min() > 0.02 * taps.max()
 
 
 def test_stencil_sum_is_the_direct_sum():
