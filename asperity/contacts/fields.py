@@ -16,6 +16,7 @@ from scipy import fft
 from asperity.halfspace.footprint import Footprints
 from surfaces.arrays import Array, Index
 from surfaces.numerics.parallel import threads
+from surfaces.numerics.stored_array import mapped
 from surfaces.preparation.filtering import bandpass
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
     solved, whole, state = decomposition.solved, decomposition.hm, point.state
     if not state.active:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
-    grid = _Grid.of(decomposition, state, solved, decomposition.summits.peaks.labels)
+    grid = _Grid.of(decomposition, state, solved, mapped(decomposition.summits.peaks.labels))
     pressed = grid.occupied(solved.heights, state.area, state.force)
     for _ in range(PRESSURE_CORRECTIONS):
         pressure = _image(solved, *pressed)

@@ -14,6 +14,7 @@ from asperity.contacts.run import ContactRun, solve_contacts
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
+from surfaces.files.stored_map import StoredMap
 from surfaces.patches import label_patches
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)
@@ -269,3 +270,15 @@ def test_maps_of_a_measured_surface_are_those_of_boundary_elements(measured, bou
     assert np.corrcoef(pressure.ravel(), exact.pressure.ravel())[0, 1] > 0.95
     assert len(run.spots()) == pytest.approx(exact.contacts, rel=0.25, abs=3)
     assert run.curve.contacts[0] == pytest.approx(exact.contacts, rel=0.2, abs=3)
+
+
+@pytest.mark.parametrize("cutoff", [None, 8])
+def test_fields_of_a_map_on_disk_are_those_of_the_map_in_memory(cutoff: float | None) -> None:
+    """Flooded in strips, its labels stay on disk."""
+    hm = map_of(cutoff)
+    blocks = [(0, hm.heights)]
+    kept = StoredMap.of_blocks(blocks, hm.shape, np.float64, hm.spacing, periodic=hm.periodic)
+    found, known = run_of(kept), run_of(hm)
+    pressure = known.pressure_map()
+    np.testing.assert_allclose(found.pressure_map(), pressure, atol=1e-5 * pressure.max())
+    assert len(found.spots()) == len(known.spots())
