@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType
 
@@ -23,6 +23,9 @@ LOCKING = {"__enter__", "__exit__", "acquire", "release"}
 LOCKS = ("llvmlite", "binding", "ffi.py"), ("numba", "core", "compiler_lock.py")
 """Methods of the locks of the compiler, and their modules: an exception there leaves the lock held,
 and other threads wait for it for ever."""
+
+KEEPING = {ExitStack.enter_context.__code__, ExitStack.__exit__.__code__}
+"""Where the compiler has a lock taken or left: for a moment nobody knows that it is held."""
 
 
 @contextmanager
@@ -45,7 +48,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     while frame is not None:
         code = frame.f_code
         locking = code.co_name in LOCKING and Path(code.co_filename).parts[-3:] in LOCKS
-        if locking or code.co_name in CALLED_BACK:
+        if locking or code in KEEPING or code.co_name in CALLED_BACK:
             unsafe = frame
         frame = frame.f_back
     if unsafe is None or unsafe.f_back is None:

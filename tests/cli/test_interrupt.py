@@ -7,10 +7,13 @@ import subprocess
 import sys
 import threading
 import time
+from collections import deque
+from contextlib import ExitStack
 
 import pytest
 from llvmlite import binding
 from llvmlite.binding import ffi
+from numba.core.compiler_lock import global_compiler_lock
 from refusals import STEEL, good_map
 
 import surfaces
@@ -125,3 +128,50 @@ def test_an_interrupt_leaves_no_lock_of_the_compiler_held(switch):
     other.start()
     other.join(5.0)
     assert not other.is_alive()
+
+
+@pytest.mark.parametrize("place", ["acquire", "push", "pop"])
+def test_an_interrupt_leaves_no_lock_held_that_the_compiler_keeps_in_a_stack(place, monkeypatch):
+    """It is taken before the stack knows of it, and left after the stack has forgotten it."""
+
+    def interrupted(name):
+        if name == place:
+            signal.raise_signal(signal.SIGINT)
+
+    class Lock:
+        held = 0
+
+        def acquire(self):
+            self.held += 1
+            interrupted("acquire")
+
+        def release(self):
+            self.held -= 1
+
+    class Calls(deque):
+        def pop(self):
+            found = super().pop()
+            interrupted("pop")
+            return found
+
+    class Stack(ExitStack):
+        def _push_cm_exit(self, *given):
+            interrupted("push")
+            super()._push_cm_exit(*given)
+
+    def compiled():
+        with Stack() as scope:
+            scope._exit_callbacks = Calls()
+            scope.enter_context(global_compiler_lock)
+            assert lock.held == 1
+        time.sleep(5.0)
+
+    lock = Lock()
+    monkeypatch.setattr(global_compiler_lock, "_lock", lock)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), interruptible():
+            compiled()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert lock.held == 0
