@@ -139,10 +139,18 @@ def _command() -> str:
 
 def write_results(path: str | os.PathLike[str], results: ResultFile[Any]) -> None:
     """Write a results file through a temporary file and an atomic rename; refused if the folder
-    does not exist or cannot be written."""
+    does not exist, has no room or cannot be written.
+
+    The HDF5 library fills it in memory: where a disk is full it fails as it closes a file, and may
+    take the program with it.
+    """
     import h5py
 
-    with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:
+    in_memory: dict[str, Any] = {"driver": "core", "backing_store": False}
+    with (
+        replacing(path) as partial,
+        h5py.File(partial, "w", libver=("v110", "v110"), **in_memory) as file,
+    ):
         about = {"made": provenance()} | results.about
         _write_text(file, {"schema": SCHEMA, "version": __version__, "about": json_text(about)})
         curves, tables, maps = (_ordered(file, part) for part in ("curves", "tables", "maps"))
@@ -153,6 +161,8 @@ def write_results(path: str | os.PathLike[str], results: ResultFile[Any]) -> Non
         for name, array in results.maps.items():
             packed = {"compression": "gzip", "compression_opts": 3, "shuffle": True}
             _write_array(maps, name, array, **packed)
+        file.flush()
+        partial.write_bytes(file.id.get_file_image())
 
 
 def read_results(path: str | os.PathLike[str], kind: Callable[..., Curve]) -> ResultFile[Curve]:

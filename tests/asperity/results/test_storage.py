@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import resource
 import threading
 
 import h5py
@@ -169,3 +170,19 @@ def _replaced(group, name, values):
 def test_no_folder_to_write_into(tmp_path):
     with pytest.raises(InputError, match="cannot be written"):
         power_law_curve().to_hdf5(tmp_path / "absent" / "r.h5")
+
+
+def test_a_full_disk_is_one_sentence_and_leaves_the_file_that_was_there(tmp_path):
+    """However much of the file it takes; the HDF5 library fails when it closes such a file."""
+    path, (soft, hard) = tmp_path / "r.h5", resource.getrlimit(resource.RLIMIT_FSIZE)
+    write_results(path, ResultFile({"old": power_law_curve()}))
+    size = path.stat().st_size
+    for room in (0, size // 2, size - 100):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, hard))
+        try:
+            with pytest.raises(InputError, match=r"r\.h5: cannot be written"):
+                write_results(path, ResultFile({"new": power_law_curve()}))
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert list(read_results(path).curves) == ["old"]
+    assert [file.name for file in tmp_path.iterdir()] == ["r.h5"]
