@@ -57,8 +57,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         part.touch()
         yield part
         os.replace(part, target)
-    except OSError as error:
-        reason = error.strerror or " ".join(str(error).split())
+    except (OSError, RuntimeError) as error:  # the second where HDF5 closes a file on a full disk
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise InputError(f"{path}: cannot be written ({reason})") from error
     finally:
         with contextlib.suppress(OSError):

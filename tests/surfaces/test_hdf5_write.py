@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 from pathlib import Path
 
 import numpy as np
@@ -156,3 +157,17 @@ def test_blocks_that_no_map_can_hold_leave_no_file(tmp_path, value, why):
     with pytest.raises(surfaces.SurfaceError, match=why):
         surfaces.write_blocks(tmp_path / "a.h5", (4, 4), 1e-6, [np.full((4, 4), value)])
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.5, 0.99])
+def test_a_full_disk_is_one_sentence(stored, share):
+    """However much of the file it takes; the HDF5 library fails when it closes such a file."""
+    known, (soft, hard) = surfaces.read(stored).digest, resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (int(share * stored.stat().st_size), hard))
+    try:
+        with pytest.raises(InputError, match=r"bumps\.h5: cannot be written"):
+            surfaces.write(bumps(), stored)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert surfaces.read(stored).digest == known
+    assert list(stored.parent.iterdir()) == [stored]
