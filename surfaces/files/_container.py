@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import struct
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -150,13 +151,15 @@ def survives(attempt: Callable[[], object], seconds: int) -> bool:
 
     The limit is on processor time: an endless loop spends it, a slow disk does not. Where
     processes cannot be forked the answer is always True. The child owns the lock of h5py, which
-    is taken before the fork, so that no other thread of the parent can hold it there.
+    is taken before the fork, so that no other thread of the parent can hold it there; other threads
+    of the parent do no harm, and the warning of Python 3.12 and later about them is not for users.
     """
     if not hasattr(os, "fork"):
         return True
     import resource
 
-    with _objects.phil:
+    with _objects.phil, warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
         child = os.fork()
         if child == 0:
             try:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import warnings
 from pathlib import Path
 
 import h5py
@@ -332,3 +334,16 @@ def test_measured_files_are_readable(measured: Path) -> None:
         assert not any(fault.fatal for fault in surfaces.validate(path))
         hm = surfaces.read(path)
         assert hm.history[0]["instrument"]
+
+
+def test_a_file_that_is_tried_in_a_child_is_read_beside_threads_without_a_warning(foreign):
+    """Python 3.12 and later warn of a fork in a program with threads."""
+    done = threading.Event()
+    threading.Thread(target=done.wait).start()
+    try:
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            surfaces.read(foreign, dataset="scan/z", unit="um", spacing=1e-6)
+    finally:
+        done.set()
+    assert not told
