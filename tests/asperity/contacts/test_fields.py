@@ -15,6 +15,7 @@ from asperity.halfspace.load_points import pressure_scale
 from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
 from surfaces.files.stored_map import StoredMap
+from surfaces.numerics import memory
 from surfaces.patches import label_patches
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)
@@ -282,3 +283,12 @@ def test_fields_of_a_map_on_disk_are_those_of_the_map_in_memory(cutoff: float | 
     pressure = known.pressure_map()
     np.testing.assert_allclose(found.pressure_map(), pressure, atol=1e-5 * pressure.max())
     assert len(found.spots()) == len(known.spots())
+
+
+def test_fields_that_do_not_fit_into_the_memory_are_refused(monkeypatch):
+    """They are made in memory, of a map on disk too."""
+    run = run_of(map_of(8))
+    monkeypatch.setattr(memory, "available_bytes", lambda: 3_000_000)
+    for ask in (run.pressure_map, run.spots):
+        with pytest.raises(surfaces.SurfaceError, match=r"192 points needs .*--memory"):
+            ask()
