@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.errors import InputError
+from asperity.errors import InputError, cautious
 from asperity.results.curve import ContactCurve
+from asperity.results.interface_law import warn_of_free_punch
 from asperity.results.table import require_curve
 from surfaces.arrays import Array
 from surfaces.errors import as_positive, as_sizes
@@ -13,6 +14,7 @@ from surfaces.errors import as_positive, as_sizes
 __all__ = ["constriction_conductance", "total_resistivity"]
 
 
+@cautious
 def constriction_conductance(
     curve: ContactCurve, *, resistivity: tuple[float, float], modulus: float | None = None
 ) -> Array:
@@ -42,7 +44,8 @@ def constriction_conductance(
     the same potential problem (Barber 2003): ``C = 2 k / (E* (rho_1 + rho_2))`` with the
     normal stiffness k of spots that keep their size. One circular spot gives Holm's
     ``4 a / (rho_1 + rho_2)``. Contacts that have yielded keep it as the load begins to fall: of a
-    curve with a hardness k is its column `unloading_stiffness`.
+    curve with a hardness k is its column `unloading_stiffness`. That of a free map holds the
+    spreading under the whole map too: a warning says how much.
 
     Examples
     --------
@@ -68,6 +71,7 @@ def constriction_conductance(
                 "from an older version; make it anew"
             )
         stiffness = curve.extra["unloading_stiffness"]
+    warn_of_free_punch(curve, stiffness, "resistance")
     return np.asarray(2.0 * stiffness / (modulus * total_resistivity(resistivity)))
 
 

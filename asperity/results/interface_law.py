@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.errors import FileFormatError, InputError
+from asperity.errors import FileFormatError, InputError, cautious, warn_once
 from surfaces.arrays import Array
 from surfaces.errors import as_choice, as_numbers, as_path
 from surfaces.files.atomic import replacing
@@ -19,7 +19,7 @@ from surfaces.files.atomic import replacing
 from .interpolation import knots_of, read_off
 from .table import CurveTable, require_curve
 
-__all__ = ["BANDS", "FORMATS", "UNITS", "InterfaceLaw"]
+__all__ = ["BANDS", "FORMATS", "UNITS", "InterfaceLaw", "warn_of_free_punch"]
 
 FORMATS = ("abaqus", "calculix", "moose")
 BANDS = ("pressure", "lower", "upper")
@@ -33,6 +33,9 @@ best: straight lines between n rows are off by ``2.25 / n**2`` of it."""
 
 _CALCULIX_ROWS = 90
 """Rows for CalculiX, whose node-to-surface contact follows so many."""
+
+_LEAST_SHARE = 0.01
+"""Share of the compliance of a free map that is not worth a warning."""
 
 _CALCULIX_NOTE = (
     "for *CONTACT PAIR, TYPE=NODE TO SURFACE; surface-to-surface contact of CalculiX 2.20 does not "
@@ -86,6 +89,7 @@ class InterfaceLaw:
     hardness: float = math.inf
 
     @classmethod
+    @cautious
     def of(cls, curve: CurveTable, *, conductance: ArrayLike | None = None) -> InterfaceLaw:
         """The law of a curve, see `ContactCurve.to_interface_law`.
 
@@ -106,9 +110,11 @@ class InterfaceLaw:
         -----
         Rows lie on the monotone interpolation of the curve, in equal steps of the cube root. Below
         the lightest load the law runs to zero in a straight line with the stiffness there: where
-        this line ends is overclosure 0.
+        this line ends is overclosure 0. The separations of a free map hold the sinking of the
+        half-space under the whole map, which a meshed body adds again: a warning says how much.
         """
         require_curve(curve)
+        warn_of_free_punch(curve, curve.stiffness, "compliance")
         columns, loads = curve.columns(), curve.mean_pressure
         usable = loads[knots_of(columns)]
         if usable.size < 2:
@@ -276,6 +282,30 @@ class InterfaceLaw:
         )
 
     __repr__ = __str__
+
+
+def warn_of_free_punch(curve: CurveTable, stiffness: Array, what: str) -> None:
+    """Warn of what the half-space under the whole of a free map adds to that of the interface.
+
+    The map sinks as a flat round punch of its area, by 2 E* a^(1+m) / (1+m) (`HalfSpace`).
+    """
+    known = curve.converged & (curve.mean_pressure > 0.0) & np.isfinite(stiffness)
+    free = curve.settings.get("boundary") == "free" and "modulus" in curve.settings
+    if not (free and known.any()):
+        return
+    heaviest = np.argmax(np.where(known, curve.mean_pressure, 0.0))
+    area = curve.load[heaviest] / curve.mean_pressure[heaviest]
+    order = 1.0 + curve.settings.get("m", 0.0)
+    whole = 2.0 * curve.settings["modulus"] * (area / np.pi) ** (0.5 * order) / (order * area)
+    share = min(stiffness[heaviest] / whole, 1.0)
+    if share > _LEAST_SHARE:
+        warn_once(
+            [
+                f"the map is a free punch: {100 * share:.0f}% of its {what} at the heaviest load "
+                "is that of the half-space under the whole map, which a meshed body adds again; "
+                "for the interface alone make the map periodic (prepare, --periodic)"
+            ]
+        )
 
 
 def _scales(units: str) -> dict[str, float]:

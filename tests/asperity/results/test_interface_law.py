@@ -5,6 +5,7 @@ import functools
 import re
 import shutil
 import subprocess
+import warnings
 
 import numpy as np
 import pytest
@@ -284,3 +285,17 @@ def test_a_conductance_that_is_known_in_part_is_written_in_part(tmp_path, curve)
     known = np.isfinite(law.conductance)
     assert 2 < known.sum() < known.size
     np.testing.assert_allclose(back.conductance, law.conductance, rtol=1e-8)
+
+
+def test_the_sinking_of_the_half_space_under_a_free_map_is_told():
+    """Pressed flat, a free map is a flat punch: all of its law is that of the body below."""
+    hm = surfaces.self_affine((48, 64), (48e-6, 64e-6), hurst=0.8, rms_slope=1e-3, cutoff=8e-6)
+    loads = [1e7, 4e8]
+    for boundary, share in (("free", "100%"), ("periodic", None)):
+        flat = asperity.bem_curve(hm, STEEL, pressures=loads, boundary=boundary)
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always", asperity.ContactWarning)
+            flat.to_interface_law()
+            asperity.constriction_conductance(flat, resistivity=(1e-7, 1e-7))
+        assert len(told) == (2 if share else 0)
+        assert all(share in str(one.message) for one in told)
