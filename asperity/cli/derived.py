@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from asperity.errors import InputError
+from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
 
 from . import quantities, targets
@@ -41,7 +42,7 @@ def add_resistivity_option(parser: Any, what: str) -> None:
     parser.add_argument("--resistivity", **two, metavar=("RHO1", "RHO2"), help=what)
 
 
-def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Namespace) -> None:
+def require_derivable(material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace) -> None:
     """Refuse, before any work, what does not follow from the curve of this material."""
     if (args.friction is None) != (args.slip is None):
         raise InputError("partial slip needs both --friction MU and --slip FILE")
@@ -51,7 +52,7 @@ def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Names
         raise InputError("--slip is of elastic contacts alone; leave --hardness out")
     if material.hardness < np.inf and args.resistivity and args.command == "solve":
         raise InputError("--resistivity with --hardness is told by asperity curve and bem alone")
-    if args.slip and material.E is None:
+    if args.slip and args.modulus is not None:
         raise InputError("--slip needs --E and --nu in place of --modulus")
     if args.slip and not 0 < args.friction < np.inf:
         raise InputError(f"--friction is {args.friction}; it must be positive and finite")
@@ -72,8 +73,8 @@ def conductance(curve: ContactCurve, args: argparse.Namespace) -> dict[str, Any]
     return {"conductance": constriction_conductance(curve, resistivity=tuple(args.resistivity))}
 
 
-def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> None:
-    """Write the partial-slip curve under the heaviest load, against a rigid partner.
+def write_slip(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -> None:
+    """Write the partial-slip curve under the heaviest load; the partner of one body is rigid.
 
     Says so where fewer than two load points converged, from which none follows.
     """
@@ -84,11 +85,13 @@ def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> 
     from asperity.extensions.partial_slip import friction_curve, tangential_modulus
     from asperity.results.storage import write_csv
 
+    from . import options
+
     slip = friction_curve(
         curve,
         float(loads[-1]),
         friction=args.friction,
-        modulus_ratio=material.modulus / tangential_modulus(material),
+        modulus_ratio=material.modulus / tangential_modulus(*options.bodies(args)),
     )
     names = ("displacement", "shear", "stick_area_fraction")
     write_csv(args.slip, {name: np.asarray(getattr(slip, name)) for name in names})

@@ -145,19 +145,25 @@ def _full_map(file: str, args: argparse.Namespace) -> HeightMap:
 
 
 def material(args: argparse.Namespace) -> HalfSpace:
-    """Half-space from the options; the composite of two bodies where the second has a modulus.
+    """Half-space from the options; the composite of two bodies where there are two."""
+    first, *second = bodies(args)
+    return HalfSpace.pair(first, *second) if second else first
+
+
+def bodies(args: argparse.Namespace) -> list[HalfSpace]:
+    """The elastic bodies of the options: one, or two where the second has a modulus.
 
     Without it both bodies of ``--against`` are of the same material.
     """
     first = _first_body(args)
     if args.E2 is not None:
         nu = 0.3 if args.nu2 is None else args.nu2
-        return HalfSpace.pair(first, HalfSpace(args.E2, nu, args.m, hardness=args.hardness2))
+        return [first, HalfSpace(args.E2, nu, args.m, hardness=args.hardness2)]
     if args.nu2 is not None or args.hardness2 is not None:
         raise InputError("--nu2 and --hardness2 are of a second body: give its --E2")
     if getattr(args, "against", None) is not None and args.modulus is None:
-        return HalfSpace.pair(first, first)
-    return first
+        return [first, first]
+    return [first]
 
 
 def _first_body(args: argparse.Namespace) -> HalfSpace:

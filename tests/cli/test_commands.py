@@ -11,6 +11,7 @@ import pytest
 from pages import Page
 from vti import read_vti
 
+import asperity
 import surfaces
 from asperity import ContactCurve, HalfSpace, compare, read_results
 from asperity.cli.main import COMMANDS, main
@@ -168,6 +169,18 @@ def test_conductance_of_contacts_that_yield(command, folder, capsys):
     stiffness = table["unloading_stiffness"]
     found = 2 * stiffness / (210e9 / (1 - 0.3**2) * 4e-7)
     assert table["conductance"] == pytest.approx(found) and stiffness > table["stiffness"]
+
+
+@pytest.mark.parametrize("partner", [["--against", "rough.h5"], ["--E2", "70e9", "--nu2", "0.4"]])
+def test_partial_slip_of_two_bodies(partner, folder):
+    loads = ["--pressure", "1e7:1e8:4", "--friction", "0.3", "--slip", "slip.csv", "--csv", "c.csv"]
+    assert main(["curve", "rough.h5", *STEEL, *partner, *loads]) == 0
+    table, slip = (np.genfromtxt(n, delimiter=",", names=True) for n in ("c.csv", "slip.csv"))
+    one = asperity.HalfSpace(210e9, 0.3)
+    two = asperity.HalfSpace(70e9, 0.4) if "--E2" in partner else one
+    ratio = asperity.HalfSpace.pair(one, two).modulus / asperity.tangential_modulus(one, two)
+    apart = table["separation"][0] - table["separation"][-1]
+    assert slip["displacement"][-1] == pytest.approx(0.3 * ratio * apart, rel=1e-6)
 
 
 def test_no_slip_from_a_curve_that_hardly_converged(folder, capsys):
