@@ -109,7 +109,7 @@ class ContactCurve(CurveTable):
         CurvePoint
             Values interpolated by monotone cubics in log pressure, scalar for a scalar question.
             Of points that came out in the wrong order, with a separation that does not fall, the
-            heavier is left out; where an area is given, also with one that does not rise.
+            heavier is left out, but in full contact; with a given area also if it does not rise.
 
         Raises
         ------

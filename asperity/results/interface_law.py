@@ -99,6 +99,7 @@ class InterfaceLaw:
             The curve.
         conductance
             Thermal conductance at each load point [W/(m^2 K)], see `constriction_conductance`.
+            Where it is infinite, in full contact, the law has none.
 
         Raises
         ------
@@ -116,7 +117,8 @@ class InterfaceLaw:
         require_curve(curve)
         warn_of_free_punch(curve, curve.stiffness, "compliance")
         columns, loads = curve.columns(), curve.mean_pressure
-        usable = loads[knots_of(columns)]
+        knots = knots_of(columns)
+        usable = loads[knots]
         if usable.size < 2:
             raise InputError("the curve has fewer than two converged points with load")
         heat = np.full(loads.shape, np.nan)
@@ -128,16 +130,16 @@ class InterfaceLaw:
                     f"{loads.size} load points"
                 )
             under_load = heat[loads > 0.0]
-            if not (np.isnan(under_load) | ((under_load > 0.0) & (under_load < np.inf))).all():
+            if not (np.isnan(under_load) | (under_load > 0.0)).all():
                 raise InputError(
-                    "a conductance under load is not positive and finite; give none (NaN) where it "
-                    "is unknown"
+                    "a conductance under load is not positive; give none (NaN) where it is unknown"
                 )
         low, high = usable.min(), usable.max()
         pressure = np.linspace(low ** (1 / 3), high ** (1 / 3), _ROWS - 1) ** 3
+        columns = {name: part[knots] for name, part in columns.items()}
         point = read_off(columns, {"pressure": pressure})
         # the conductance is read off as the stiffness is, in its logarithm
-        heat = read_off({**columns, "stiffness": heat}, {"pressure": pressure}).stiffness
+        heat = read_off({**columns, "stiffness": heat[knots]}, {"pressure": pressure}).stiffness
         first = -np.diff(point.separation[:2])[0] / np.diff(pressure[:2])[0]
         run_in = low / point.stiffness[0] if np.isfinite(point.stiffness[0]) else low * first
         reference = float(point.separation[0] + run_in)

@@ -117,7 +117,7 @@ def read_off(
             "give one of pressure, load, separation or area_fraction to read the curve off"
         )
     name, (column, unit) = given[0], QUESTIONS[given[0]]
-    order = knots_of(columns)
+    order = knots_of(columns, closed=True)
     if column == "area_fraction":
         # boundary elements count pixels: areas of light loads may be equal
         areas = columns[column][order]
@@ -183,12 +183,12 @@ def _inverse(places: Array, values: Array, wanted: Array) -> Array:
     return np.asarray(0.5 * (low + high) + (wanted - inside))
 
 
-def knots_of(columns: Mapping[str, NDArray[Any]]) -> Index:
+def knots_of(columns: Mapping[str, NDArray[Any]], *, closed: bool = False) -> Index:
     """Indices of the points between which a curve is interpolated, in the order of the load.
 
     They are the points under load whose separation is smaller than that of all lighter ones; in
-    full contact, where the separation stays, only the lightest. Of points of nearly one load, whose
-    difference is that of two solutions more than of two loads, one is kept.
+    full contact, where the separation stays, only the lightest, or all if `closed`. Of points of
+    nearly one load, whose difference is that of two solutions more than of two loads, one is kept.
     """
     pressures, separations = columns["mean_pressure"], columns["separation"]
     usable = columns["converged"] & (pressures > 0) & np.isfinite(separations)
@@ -196,7 +196,12 @@ def knots_of(columns: Mapping[str, NDArray[Any]]) -> Index:
     order = order[_rising(pressures[order])]
     scale = np.abs(separations[order]).max(initial=0.0) or 1.0
     # rounding is no smaller gap
-    order = order[_rising(np.round(-separations[order] / scale, 12))]
+    lift = np.round(-separations[order] / scale, 12)
+    falls = _rising(lift)
+    if closed and falls.any():
+        last = np.flatnonzero(falls)[-1]
+        falls[last:] = lift[last:] == lift[last]
+    order = order[falls]
     return order[_apart(np.log(pressures[order]))]
 
 

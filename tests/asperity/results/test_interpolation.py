@@ -158,3 +158,17 @@ def test_loads_that_lie_close_are_all_read():
     np.testing.assert_allclose(
         found, np.interp(np.log(asked), np.log(pressure), separation), atol=1e-4
     )
+
+
+def test_a_curve_goes_on_in_full_contact():
+    """The gap stays, the load does not: all of it is within the curve, also for partial slip."""
+    pressure = np.array([1.0, 10.0, 100.0, 1e3, 1e4])
+    separation = np.array([2.0, 1.0, 0.0, 0.0, 0.0])
+    curve = made(pressure, separation)
+    found = curve.at(pressure=[100.0, 5e3, 1e4])
+    assert (found.separation == 0.0).all()
+    np.testing.assert_allclose(curve.at(load=curve.load[4]).mean_pressure, 1e4)
+    np.testing.assert_allclose(curve.at(separation=0.0).mean_pressure, 100.0)
+    slip = asperity.friction_curve(curve, 1e4, friction=0.3, modulus_ratio=1.2)
+    assert slip.displacement[0] == slip.displacement[1] == 0.0
+    assert slip.displacement[-1] == pytest.approx(0.3 * 1.2 * 2.0)
