@@ -177,8 +177,9 @@ def labels_by_hand(contact, periodic):
 
 
 def edges_by_hand(contact, periodic):
-    """Pixel edges between contact and no contact, which surrounds a map that does not repeat."""
-    around = np.pad(contact, 1, mode="wrap" if periodic else "constant")
+    """Pixel edges between contact and no contact; the border of a map that does not repeat is
+    none."""
+    around = np.pad(contact, 1, mode="wrap" if periodic else "edge")
     edges = np.count_nonzero(np.diff(around[1:-1], axis=1)) + np.count_nonzero(
         np.diff(around[:, 1:-1], axis=0)
     )

@@ -214,11 +214,10 @@ def read_contact(
 
 
 def _edges(contact: Mask, periodic: bool) -> int:
-    """Edges along the first axis between pixels of the contact and others, and those at the border
-    of the map, where its other side follows if it is periodic, no contact if not."""
-    first, last = contact[0], contact[-1]
-    border = first != last if periodic else np.stack((first, last))
-    return int(np.count_nonzero(contact[1:] != contact[:-1]) + np.count_nonzero(border))
+    """Edges along the first axis between pixels of the contact and others, also across the seam of
+    a periodic map. The border of a free map cuts contacts where the pixels end: it is none."""
+    seam = np.count_nonzero(contact[0] != contact[-1]) if periodic else 0
+    return int(np.count_nonzero(contact[1:] != contact[:-1]) + seam)
 
 
 def contours(contact: Mask, spacing: tuple[float, float]) -> list[Array]:

@@ -47,11 +47,23 @@ def test_area_of_a_disc():
     assert raw - corrected == pytest.approx((np.pi - 1 + np.log(2)) / 24 * edges * 2.0)
 
 
-def test_full_contact_has_no_edge_in_a_periodic_cell():
-    """Nothing is taken off a closed contact."""
+@pytest.mark.parametrize("periodic", [False, True])
+def test_full_contact_has_no_edge(periodic):
+    """Nothing is taken off a closed contact: that of a punch ends where its pixels do."""
     full = np.ones((6, 9), bool)
-    assert read(full, (1.0, 2.0), True) == (108.0, 108.0, 1)
-    assert read(full, (1.0, 2.0), False)[1] == 108.0 - 30 * 2.0 * solution.AREA_FACTOR
+    assert read(full, (1.0, 2.0), periodic) == (108.0, 108.0, 1)
+
+
+@pytest.mark.parametrize("centre", [0.0, 30.4])
+def test_area_of_half_a_disc_at_the_border(centre):
+    """Half of a disc that the border cuts has half of its edge."""
+    y, x = np.indices((100, 120)) + 0.5
+    for radius in (20.0, 24.3):
+        disc = (x - 60.2) ** 2 + (y - centre) ** 2 < radius**2
+        raw, corrected, _ = read(disc, (1.0, 1.0), False)
+        share = 0.5 if centre == 0.0 else 1.0
+        edge = (np.pi - 1 + np.log(2)) / 24 * 8 * radius * share
+        assert raw - corrected == pytest.approx(edge, rel=0.05)
 
 
 def test_contours_enclose_their_patches():
