@@ -156,20 +156,29 @@ def checked_load(
     if not math.isfinite(value):
         what = "mean pressure" if kind == "pressure" else "distance"
         raise InputError(f"{kind} is {given!r}; give a finite {what}")
-    if kind == "pressure":
-        _require_pressures(value, value, hardness)
+    _require_calculable(kind, np.array([value]), hardness)
     return kind, value
 
 
-def _require_pressures(least: float, largest: float, hardness: float) -> None:
-    """Refuse mean pressures [Pa] of which the largest is above the hardness, or one is negative."""
-    if largest > hardness:
+def _require_calculable(kind: str, values: Array, hardness: float) -> None:
+    """Refuse mean pressures [Pa] of which the largest is above the hardness, or one is negative,
+    and load points [Pa or m] whose squares overflow."""
+    if kind == "pressure" and values.max() > hardness:
         raise InputError(
-            f"mean pressure {largest:.4g} Pa is above the hardness of {hardness:.4g} Pa, which no "
-            "surface carries; take a smaller load or a larger hardness"
+            f"mean pressure {values.max():.4g} Pa is above the hardness of {hardness:.4g} Pa, "
+            "which no surface carries; take a smaller load or a larger hardness"
         )
-    if least < 0.0:
-        raise InputError(f"mean pressure {least:.4g} Pa is negative; compression is positive")
+    if kind == "pressure" and values.min() < 0.0:
+        raise InputError(
+            f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
+        )
+    strange = (abs(values) > _LARGEST_LOAD) | ((abs(values) < 1 / _LARGEST_LOAD) & (values != 0))
+    if strange.any():
+        unit = "Pa" if kind == "pressure" else "m"
+        raise InputError(
+            f"the {kind} {values[strange][0]:.4g} {unit} is beyond what can be calculated "
+            f"({1 / _LARGEST_LOAD:g} to {_LARGEST_LOAD:g} {unit}, or zero)"
+        )
 
 
 def checked_loads(
@@ -193,13 +202,5 @@ def checked_loads(
         raise InputError(f"{kind}s is empty; give at least one load point")
     if values.size > MOST_LOADS:
         raise InputError(f"{kind}s holds {values.size} load points; give at most {MOST_LOADS}")
-    if kind == "pressure":
-        _require_pressures(float(values.min()), float(values.max()), material.hardness)
-    strange = (abs(values) > _LARGEST_LOAD) | ((abs(values) < 1 / _LARGEST_LOAD) & (values != 0))
-    if strange.any():
-        unit = "Pa" if kind == "pressure" else "m"
-        raise InputError(
-            f"the {kind} {values[strange][0]:.4g} {unit} is beyond what can be calculated "
-            f"({1 / _LARGEST_LOAD:g} to {_LARGEST_LOAD:g} {unit}, or zero)"
-        )
+    _require_calculable(kind, values, material.hardness)
     return kind, values

@@ -72,6 +72,20 @@ def test_unusable_load_points(pressures, separations, match):
         checked_loads(wave(), HalfSpace.from_modulus(1e9), pressures, separations)
 
 
+@pytest.mark.parametrize(
+    ("load", "match"),
+    [
+        ({"pressure": 1e300}, r"pressure 1e\+300 Pa is beyond"),
+        ({"pressure": 1e-300}, "1e-300 Pa is beyond"),
+        ({"separation": -1e300}, r"separation -1e\+300 m is beyond"),
+        ({"pressure": -1.0}, "-1 Pa is negative"),
+    ],
+)
+def test_one_unusable_load_point(load, match):
+    with pytest.raises(InputError, match=match):
+        bem_solve(wave(), HalfSpace.from_modulus(1e9), boundary="free", **load)
+
+
 @pytest.mark.parametrize("solve", [contact_curve, bem_curve, bem_solve, make_plan, compare])
 @pytest.mark.parametrize(
     ("hm", "material", "match"),
