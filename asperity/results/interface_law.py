@@ -152,7 +152,8 @@ class InterfaceLaw:
             lower = np.where(np.isnan(lower), np.fmax(below, 0.0), lower)
             upper = np.where(np.isnan(upper), above, upper)
         lower = np.minimum(_strictly_rising(lower, high), pressure)
-        upper = np.maximum(_strictly_rising(np.maximum.accumulate(upper), high), pressure)
+        most = float(np.fmax.reduce(upper, initial=high))
+        upper = np.maximum(_strictly_rising(np.maximum.accumulate(upper), most), pressure)
         return cls(
             overclosure=np.insert(reference - point.separation, 0, 0.0),
             pressure=np.insert(pressure, 0, 0.0),
@@ -319,7 +320,8 @@ def _scales(units: str) -> dict[str, float]:
 
 def _strictly_rising(pressure: Array, high: float) -> Array:
     """Pressures of which each exceeds the one before, as programs ask for, if by next to nothing
-    of the highest: a band may be zero, or stay at the hardness, over many rows."""
+    of a pressure `high`, none below it, which ten digits show: a band may be zero, or stay at the
+    hardness, over many rows."""
     steps = 1e-9 * high * np.arange(1, pressure.size + 1)
     low = np.minimum.accumulate(pressure[::-1])[::-1]
     return np.asarray(low * (1.0 - 1e-9 * (pressure.size + 1)) + steps)

@@ -57,15 +57,18 @@ def test_the_law_read_back_has_the_work_of_the_curve(tmp_path, curve, hardness, 
     assert back.hardness == hardness
 
 
-@pytest.mark.parametrize("error", [None, 0.0, 1e-12, 0.3, 1.5, "one exact", "at once loose"])
+@pytest.mark.parametrize(
+    "error", [None, 0.0, 1e-12, 0.3, 1.5, "one exact", "at once loose", "level far above"]
+)
 @pytest.mark.parametrize("hardness", [np.inf, 4e9])
 def test_the_band_holds_the_law_and_rises_with_it(tmp_path, curve, error, hardness):
     """Also of a curve known exactly, of one of which nothing is, and of one that turns loose."""
-    n = len(curve)
+    n, loads = len(curve), curve.mean_pressure
     stated = {
         None: curve.error_estimate,
         "one exact": np.where(np.arange(n) == 3, 0.0, 0.1),
         "at once loose": np.where(np.arange(n) < 9, 1e-3, 0.999),
+        "level far above": 15.0 * loads.max() / loads - 1.0,
     }.get(error, np.full(n, error))
     facts = curve.settings | ({"hardness": hardness} if hardness < np.inf else {})
     law = dataclasses.replace(curve, error_estimate=stated, settings=facts).to_interface_law()
