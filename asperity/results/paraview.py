@@ -6,6 +6,7 @@ import base64
 import os
 import sys
 from collections.abc import Mapping
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -86,12 +87,17 @@ def write_vti(
 
 
 def _vtk_array(name: str, field: ArrayLike) -> np.ndarray:
-    """The field in native byte order and in a type that VTK knows."""
+    """The field in native byte order and in a type that VTK knows; masked values become NaN."""
     if not (isinstance(name, str) and name.isprintable()):
         raise InputError(f"a field of an image is called {name!r}; give a name that can be printed")
-    array = np.ascontiguousarray(field)
-    if array.dtype.kind not in "biuf":
-        raise InputError(f"the field {name!r} of an image must hold real numbers")
+    try:
+        given: Any = np.ma.asarray(field)
+        if given.dtype.kind not in "biuf":
+            raise ValueError
+    except ValueError:
+        raise InputError(f"the field {name!r} of an image must hold real numbers") from None
+    hidden = np.ma.is_masked(given)
+    array = np.ascontiguousarray(given.astype(float).filled(np.nan) if hidden else given.data)
     array = array.astype(array.dtype.newbyteorder("="))
     if array.dtype == bool:
         return array.astype(np.uint8)

@@ -27,6 +27,16 @@ def test_a_transposed_view_is_written_as_it_is_seen(tmp_path):
     np.testing.assert_array_equal(read_vti(tmp_path / "f.vti")[2]["p"], field.ravel())
 
 
+@pytest.mark.parametrize("dtype", [float, int, bool])
+def test_masked_values_are_not_shown(tmp_path, dtype):
+    field = np.ma.masked_equal(np.eye(2, 3, dtype=dtype), 0)
+    write_vti(tmp_path / "f.vti", {"p": field}, (1.0, 1.0))
+    nan = np.nan
+    np.testing.assert_array_equal(
+        read_vti(tmp_path / "f.vti")[2]["p"], [1.0, nan, nan, nan, 1.0, nan]
+    )
+
+
 @pytest.mark.parametrize("spacing", [np.array([2e-9, 1e-9]), np.float32(1.0)])
 def test_spacing_may_be_numbers_of_numpy(tmp_path, spacing):
     write_vti(tmp_path / "f.vti", {"p": np.ones((2, 3))}, spacing)
@@ -42,7 +52,14 @@ def test_no_pixel_size_is_refused(tmp_path, spacing):
 
 @pytest.mark.parametrize(
     "fields",
-    [np.eye(3), {"a": np.eye(3) * 1j}, {"a": [["x", "y"]]}, {1: np.eye(3)}, {"\0": np.eye(3)}],
+    [
+        np.eye(3),
+        {"a": np.eye(3) * 1j},
+        {"a": [["x", "y"]]},
+        {"a": [[1, 2], [3]]},
+        {1: np.eye(3)},
+        {"\0": np.eye(3)},
+    ],
 )
 def test_fields_without_names_or_numbers_are_refused(tmp_path, fields):
     with pytest.raises(InputError, match=r"by name|must hold real numbers|is called"):
