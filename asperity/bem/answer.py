@@ -16,17 +16,18 @@ __all__ = ["answer", "answer_of_hardness"]
 def answer(problem: ContactProblem, solution: GridSolution) -> dict[str, Any]:
     """Numbers of a solution, by the names of `BemSolution` and of the columns of a curve.
 
-    In full contact of a periodic cell the separation is zero, without rounding.
+    In full contact of a periodic cell the separation is zero, and where all has yielded the mean
+    pressure is at most the hardness, without rounding: above it no load can be asked for.
     """
     hm, finest, reading = problem.hm, problem.finest, solution.reading
-    mean = reading.total / hm.heights.size / problem.compliance
+    mean = min(reading.total / hm.heights.size / problem.compliance, problem.material.hardness)
     full = math.isinf(solution.stiffness)
     raw, area, patches = solution.contact
     return {
         "separation": 0.0 if full else -(reading.level + finest.mean_height) * problem.unit,
         "mean_pressure": mean,
         "load": mean * hm.area,
-        "area_fraction": area / hm.area,
+        "area_fraction": min(area / hm.area, 1.0),
         "contact_area": area,
         "contact_area_raw": raw,
         "contacts": patches,

@@ -210,6 +210,8 @@ def test_up_to_the_hardness_itself(x, boundary):
     assert deep.converged and deep.saturated.all()
     assert deep.separation == pytest.approx(-60 * HM.rms_height)
     assert deep.gap.max() <= 1e-60 * HM.rms_height
+    for one in (found, deep):
+        assert one.mean_pressure <= mat.hardness and one.area_fraction <= 1.0
     with pytest.raises(errors.InputError, match="above the hardness"):
         bem_solve(HM, mat, pressure=1.001 * mat.hardness, boundary=boundary)
     with pytest.raises(errors.InputError, match="above the hardness"):
