@@ -113,18 +113,19 @@ class Population(ContactSystem):
         kind, goal = checked_load(pressure, separation)
         if not as_number("tolerance", tolerance) > 0:
             raise InputError(f"tolerance must be positive, got {tolerance!r}")
-        self.laws.foresee(None)
-        last = Continuation(self) if state is None else state.continuation
-        loaded = kind == "pressure"
-        if loaded and heaviest is not None and state is not None and state.mean_pressure > 0:
-            growth = heaviest / state.mean_pressure if heaviest > goal else 0.0
-            self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
-        if loaded and goal == 0:
-            found = solve_at(last, self.highest, tolerance)
-        elif loaded and not self.interaction:
-            found = independent(last, goal)
-        else:
-            found = reached(last, goal, tolerance, loaded=loaded)
+        with self.laws.store.turn:  # solves in two threads share the laws
+            self.laws.foresee(None)
+            last = Continuation(self) if state is None else state.continuation
+            loaded = kind == "pressure"
+            if loaded and heaviest is not None and state is not None and state.mean_pressure > 0:
+                growth = heaviest / state.mean_pressure if heaviest > goal else 0.0
+                self.laws.foresee(self.by_height[: int(state.active * growth**CONTACTS_EXPONENT)])
+            if loaded and goal == 0:
+                found = solve_at(last, self.highest, tolerance)
+            elif loaded and not self.interaction:
+                found = independent(last, goal)
+            else:
+                found = reached(last, goal, tolerance, loaded=loaded)
         share, most = found.contact_area / self.nominal_area, self.parameters.limits.area
         if share > most:
             return found.refused(

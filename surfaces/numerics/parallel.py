@@ -19,6 +19,7 @@ from surfaces.errors import InputError, as_count
 from .stored_array import Source, drop_pages, spans, windows
 
 __all__ = [
+    "Turn",
     "apart",
     "aside",
     "available",
@@ -87,6 +88,22 @@ def set_threads(count: int | None) -> None:
     global _chosen
     chosen = None if count is None else as_count("the number of threads", count, 1)
     _chosen = None if chosen is None else min(chosen, available())
+
+
+class Turn:
+    """A lock that its thread may take again; a copy or a pickle of it is a free one."""
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+
+    def __exit__(self, *raised: object) -> None:
+        self._lock.release()
+
+    def __reduce__(self) -> tuple[type[Turn], tuple[()]]:
+        return Turn, ()
 
 
 def blocks(count: int, least: int = 1, most: float = math.inf) -> list[tuple[int, int]]:

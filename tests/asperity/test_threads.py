@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import multiprocessing
+import pickle
 import sys
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import asperity
-from surfaces import HeightMap
+from asperity.model.decomposition import Decomposition
+from surfaces import HeightMap, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1e11)
 
@@ -32,3 +34,17 @@ def test_a_process_forked_after_a_run_on_threads_gives_the_same_load(model):
     assert here > 0
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("fork")) as pool:
         assert pool.submit(load, model).result(timeout=60) == here
+
+
+def test_threads_that_solve_one_population_find_what_one_finds():
+    """Each makes the laws that it lacks, in the tables that all read."""
+    hm = self_affine((150, 170), (1.5e-4, 1.7e-4), hurst=0.8, rms_slope=0.1, cutoff=5e-6, seed=1)
+    plan = asperity.make_plan(hm, BODY, pressures=[1e9])
+    population, loads = Decomposition.of(hm, BODY, plan).population, [1e9, 5e7, 5e8, 1e9, 5e7, 5e8]
+    alone = pickle.loads(pickle.dumps(population))
+    with ThreadPoolExecutor(len(loads)) as pool:
+        together = list(pool.map(lambda load: population.solve(pressure=load), loads))
+    for load, found in zip(loads, together, strict=True):
+        expected = alone.solve(pressure=load)
+        assert found.separation == pytest.approx(expected.separation, rel=1e-9)
+        assert found.contact_area == pytest.approx(expected.contact_area, rel=1e-9)

@@ -12,7 +12,7 @@ from asperity.halfspace.footprint import Footprints
 from asperity.microcontact import law_kernels
 from asperity.microcontact.law_table import LawTable, LazyTable
 from surfaces.arrays import Array, Index, Mask
-from surfaces.numerics.parallel import blocks, run
+from surfaces.numerics.parallel import Turn, blocks, run
 
 __all__ = ["FILLED_SHARE", "LARGEST_STIFFNESS", "LEAST_BATCH", "Evaluated", "Laws"]
 
@@ -174,7 +174,8 @@ class _Store:
     """The table of `Laws`, made all at once or as rows are needed.
 
     Rows stand in the table in the order in which they are made, at `place`: most summits of a large
-    surface never touch, and memory pages that are never written cost nothing.
+    surface never touch, and memory pages that are never written cost nothing. One thread at a time
+    may make rows, or read them while others are made: the one whose `turn` it is.
     """
 
     def __init__(self, nodes: LazyTable, footprints: Footprints) -> None:
@@ -186,6 +187,7 @@ class _Store:
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         self.ahead: Index | None = None
+        self.turn = Turn()
 
     def need(self, rows: Index) -> None:
         """Make those of the `rows` that are missing, and with them those needed later (`ahead`)."""
