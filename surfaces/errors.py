@@ -28,6 +28,7 @@ __all__ = [
     "as_number",
     "as_numbers",
     "as_path",
+    "as_places",
     "as_positive",
     "as_sizes",
     "as_text",
@@ -106,6 +107,18 @@ def as_numbers(name: str, values: Any, *, finite: bool = True, copy: bool = True
     if finite and not np.isfinite(array).all():
         raise InputError(f"{name} is {shown(values)}; it must be finite")
     return np.asarray(array)
+
+
+def as_places(x: Any, y: Any) -> tuple[Array, Array]:
+    """Coordinates x and y as arrays of one shape. Shapes that do not fit together are refused."""
+    across, along = as_numbers("x", x), as_numbers("y", y)
+    try:
+        across, along = np.broadcast_arrays(across, along)
+    except ValueError:
+        raise InputError(
+            f"x and y have the shapes {across.shape} and {along.shape}; give as many of each"
+        ) from None
+    return across, along
 
 
 def as_sizes(name: str, values: Any) -> Array:

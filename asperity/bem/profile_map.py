@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surfaces.arrays import Array
-from surfaces.errors import InputError, as_numbers
+from surfaces.errors import InputError, as_numbers, as_places
 from surfaces.heightmap import HeightMap
 
 __all__ = ["Profile", "gap", "map_of", "sampled", "section_box"]
@@ -38,7 +38,7 @@ def sampled(
     """A field of a map at places (x, y) [m] from the summit, bilinear between the pixels."""
     from scipy.ndimage import map_coordinates
 
-    px, py = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+    px, py = as_places(x, y)
     place = np.stack([(py + summit[1]) / spacing[0] - 0.5, (px + summit[0]) / spacing[1] - 0.5])
     return np.asarray(map_coordinates(values, place.reshape(2, -1), order=1)).reshape(px.shape)
 

@@ -127,7 +127,7 @@ class BemIndentation:
         First crossing of one half by the bilinear indicator of the contact, with the pixel bias
         of the area taken out of the radius.
         """
-        angle = np.asarray(phi, dtype=float)
+        angle = as_numbers("phi", phi)
         return self._each(lambda one, at: _edge(one, at, angle))
 
     def _each(self, field: Callable[[BemSolution, tuple[float, float]], Array]) -> Array:

@@ -55,7 +55,16 @@ def test_punch_without_its_origin_is_refused():
         flat_punch(lambda phi: np.cos(phi), HalfSpace.from_modulus(1.0))
 
 
-@pytest.mark.parametrize("edge", [None, "a", [], [[1.0, 2.0], [3.0, 4.0]], 1e-200])
+def test_places_that_do_not_fit_together_are_refused():
+    body = HalfSpace.from_modulus(1.0)
+    for contact in (flat_punch(1.0, body), indent(SPHERE, body, 0.1)):
+        with pytest.raises(InputError, match=r"shapes \(2,\) and \(3,\)"):
+            contact.pressure(np.zeros(2), np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    "edge", [None, "a", [], [[1.0, 2.0], [3.0, 4.0]], 1e-200, lambda phi: phi[:3]]
+)
 def test_an_unusable_planform_is_refused(edge):
     with pytest.raises(InputError):
         flat_punch(edge, HalfSpace.from_modulus(1.0))

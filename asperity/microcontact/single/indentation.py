@@ -13,7 +13,7 @@ from scipy.ndimage import minimum_filter
 from asperity.errors import INVALID, Flag, InputError
 from asperity.halfspace.material import HalfSpace
 from surfaces.arrays import Array, Mask
-from surfaces.errors import as_numbers
+from surfaces.errors import as_numbers, as_places
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["Indentation", "contour_flags", "profile_flags"]
@@ -145,7 +145,7 @@ class Indentation:
         InputError
             If the law has no history integral.
         """
-        x, y = np.broadcast_arrays(as_numbers("x", x), as_numbers("y", y))
+        x, y = as_places(x, y)
         law = self.history_function if history else self.pressure_function
         if law is None:
             raise InputError(f"the law {self.law!r} has no history integral of the pressure")

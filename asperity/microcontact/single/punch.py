@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
 from surfaces.arrays import Array
-from surfaces.errors import LARGEST_NUMBER, as_numbers, shown
+from surfaces.errors import LARGEST_NUMBER, as_numbers, as_places, shown
 
 from .basis import corner_rule
 
@@ -69,7 +70,7 @@ class FlatPunch:
 
     def pressure(self, x: ArrayLike, y: ArrayLike, approach: float = 1.0) -> Array:
         """Pressure [Pa] at the points (x, y) [m] (broadcast), infinite at the edge."""
-        x, y = np.broadcast_arrays(as_numbers("x", x), as_numbers("y", y))
+        x, y = as_places(x, y)
         depth = as_numbers("approach", approach)
         m = self.material.m
         rho = np.hypot(x, y) / self.edge(np.arctan2(y, x))
@@ -126,7 +127,7 @@ def flat_punch(
 
 def _boundary(edge: Callable[[Array], ArrayLike] | ArrayLike) -> Callable[[Array], Array]:
     if callable(edge):
-        return lambda phi: np.broadcast_to(as_numbers("edge", edge(phi), finite=False), phi.shape)
+        return functools.partial(_radii, edge)
     values = np.atleast_1d(as_numbers("edge", edge))
     if values.ndim > 1 or not values.size:
         raise InputError(
@@ -134,3 +135,14 @@ def _boundary(edge: Callable[[Array], ArrayLike] | ArrayLike) -> Callable[[Array
         )
     turn = 2 * np.pi * np.arange(values.size) / values.size
     return lambda phi: np.interp(phi, turn, values, period=2 * np.pi)
+
+
+def _radii(edge: Callable[[Array], ArrayLike], phi: Array) -> Array:
+    """The radii [m] that a function gives at angles [rad]."""
+    radii = as_numbers("edge", edge(phi), finite=False)
+    try:
+        return np.broadcast_to(radii, phi.shape)
+    except ValueError:
+        raise InputError(
+            f"edge gives radii of shape {radii.shape} at angles of shape {phi.shape}; give one each"
+        ) from None

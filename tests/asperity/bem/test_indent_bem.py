@@ -25,6 +25,10 @@ def test_thin_corners_are_not_cut_off():
     assert not contact[[0, -1]].any() and not contact[:, [0, -1]].any()
 
 
+def _small(material):
+    return indent_bem(PowerLawProfile(2, 1.0), material, 0.1, grid=16)
+
+
 def _with_a_gap(r, phi):
     return np.where((phi > 1.0) & (phi < 1.2), np.nan, r**2)
 
@@ -45,6 +49,9 @@ def _with_a_gap(r, phi):
         (lambda m: indent_bem(lambda r, phi: 1j * r, m, load=1.0), "array of numbers"),
         (lambda m: indent_bem(lambda r, phi: "deep", m, 1.0), "array of numbers"),
         (lambda m: indent_bem(PowerLawProfile(1, 0.0), m, 1.0), "does not rise to the approach"),
+        (lambda m: _small(m).pressure(np.zeros(2), np.zeros(3)), r"shapes \(2,\) and \(3,\)"),
+        (lambda m: _small(m).pressure("left", 0.0), "x is 'left'"),
+        (lambda m: _small(m).contour("left"), "phi is 'left'"),
     ],
 )
 def test_what_is_no_contact_is_refused_in_one_sentence(call, words):
