@@ -188,11 +188,14 @@ def viscoelastic_force(
         if i > 0:
             x = (time[i] - time[i - 1]) / tau
             decay, share = np.exp(-x), -np.expm1(-x) / x
-        gain = relaxation.equilibrium + float(np.sum(strength * share))
-        kept = float(np.sum(arms * decay - strength * share * last))
-        response = (value - kept) / gain if inverse else value
-        found[i] = response if inverse else kept + gain * response
+        response = value
+        if inverse:
+            gain = relaxation.equilibrium + float(np.sum(strength * share))
+            kept = float(np.sum(arms * decay - strength * share * last))
+            response = (value - kept) / gain
         arms = arms * decay + strength * share * (response - last)
+        force = relaxation.equilibrium * response + float(np.sum(arms))
+        found[i] = response if inverse else force
         last = response
     return found
 

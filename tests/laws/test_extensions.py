@@ -161,6 +161,8 @@ def test_maxwell_sphere_relaxes_and_creeps_as_known():
     t = np.linspace(0, 6, 13)
     held = viscoelastic_indent(SPHERE, maxwell, t, np.full(t.size, 0.01))
     np.testing.assert_allclose(held.force, 4 / 3 * 0.01**1.5 * 4 * np.exp(-t / 2), rtol=1e-12)
+    late = viscoelastic_indent(SPHERE, maxwell, 20 * t, np.full(t.size, 0.01))
+    np.testing.assert_allclose(late.force, held.force[0] * np.exp(-10 * t), rtol=1e-12)
     creeping = viscoelastic_indent(SPHERE, maxwell, t, load=np.full(t.size, 0.02))
     expected = (0.75 * 0.02 / 4 * (1 + t / 2)) ** (2 / 3)
     np.testing.assert_allclose(creeping.approach, expected, rtol=1e-9)
