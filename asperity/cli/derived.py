@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from asperity.errors import InputError
-from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
 
 from . import quantities, targets
 from .messages import warn
+
+if TYPE_CHECKING:
+    from asperity.halfspace.material import HalfSpace
 
 
 def add_derived_options(parser: argparse.ArgumentParser) -> None:

@@ -163,15 +163,15 @@ def checked_load(
 def _require_calculable(kind: str, values: Array, hardness: float) -> None:
     """Refuse mean pressures [Pa] of which the largest is above the hardness, or one is negative,
     and load points [Pa or m] whose squares overflow."""
-    if kind == "pressure" and values.max() > hardness:
-        raise InputError(
-            f"mean pressure {values.max():.4g} Pa is above the hardness of {hardness:.4g} Pa, "
-            "which no surface carries; take a smaller load or a larger hardness"
-        )
-    if kind == "pressure" and values.min() < 0.0:
-        raise InputError(
-            f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
-        )
+    if kind == "pressure":
+        least, largest = values.min(), values.max()
+        if largest > hardness:
+            raise InputError(
+                f"mean pressure {largest:.4g} Pa is above the hardness of {hardness:.4g} Pa, which "
+                "no surface carries; take a smaller load or a larger hardness"
+            )
+        if least < 0.0:
+            raise InputError(f"mean pressure {least:.4g} Pa is negative; compression is positive")
     strange = (abs(values) > _LARGEST_LOAD) | ((abs(values) < 1 / _LARGEST_LOAD) & (values != 0))
     if strange.any():
         unit = "Pa" if kind == "pressure" else "m"
