@@ -101,8 +101,10 @@ def _cap(table: LawTable, rows: Index, material: HalfSpace, result: LawTable) ->
     columns = [np.maximum.accumulate(capped_force[late], axis=1), area[late], stiffness[late]]
     columns.append(columns[0] / force[late] * approach)
     if table.centre is not None:
+        node = np.minimum(own.astype(np.int64), nodes - 1)
+        each, share = np.arange(len(own))[:, None], own - node
         for old in np.moveaxis(table.centre[rows], 2, 0):
-            columns.append(approach * _interpolated(_places(old.shape), old, own))
+            columns.append(approach * (old[each, node] * (1 - share) + old[each, node + 1] * share))
     reach = np.clip(table.reach[rows], approach[:, at_reach], approach[:, -1])
     values, slope = resample(approach, np.stack(columns), nodes, reach)
     places = reach[:, None] * (np.arange(nodes + 1) / nodes) ** 2
@@ -137,7 +139,7 @@ def _elastic_states(table: LawTable, rows: Index) -> tuple[Array, ...]:
     size = np.sqrt(np.maximum.accumulate(table.area[rows], axis=1) / table.area[rows, -1:])
     spaced = 0.5 * (np.arange(nodes + 1) / nodes + size)
     wanted = np.broadcast_to(np.arange(1, levels + 1) / levels, (len(rows), levels))
-    own = _interpolated(spaced, _places(spaced.shape), wanted)
+    own = _interpolated(spaced, np.broadcast_to(np.arange(nodes + 1.0), spaced.shape), wanted)
     u = np.pad(own / nodes, ((0, 0), (0, 1)), constant_values=(1.0 + FURTHER_APPROACH) ** 0.5)
     approach = table.reach[rows, None] * np.square(u)
     force, stiffness, area = table.evaluate(rows[:, None], approach)
@@ -159,18 +161,12 @@ def depths_of(bearing: Array, depth: Array, area: Array) -> Array:
     return np.square(_interpolated(np.sqrt(bearing), np.sqrt(depth), np.sqrt(area)))
 
 
-def _places(shape: tuple[int, ...]) -> Array:
-    """Places 0, 1, ... of the nodes along each row of a table."""
-    return np.broadcast_to(np.arange(float(shape[1])), shape)
-
-
 def _interpolated(known: Array, values: Array, wanted: Array) -> Array:
     """Values at the places `wanted`, (n, l), of straight lines through `values` at the `known`
     places, (n, k), which ascend along a row; beyond the last of these its value."""
     j = np.minimum(count_below(known[:, 1:], wanted * (1.0 - ROUNDING)), known.shape[1] - 2)
-    (low, high), (start, end) = (
-        [np.take_along_axis(row, k, 1) for k in (j, j + 1)] for row in (known, values)
-    )
+    rows = np.arange(len(j))[:, None]
+    (low, high), (start, end) = ((row[rows, j], row[rows, j + 1]) for row in (known, values))
     share = np.ones(wanted.shape)
     np.divide(wanted - low, high - low, out=share, where=high > low)
     return np.asarray(start + np.minimum(share, 1.0) * (end - start))
