@@ -102,6 +102,7 @@ def bem_curve(
     accuracy: float | tuple[float, float] | None = None,
     progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
+    paths: dict[str, Array] | None = None,
 ) -> ContactCurve:
     """Load, separation and contact area of a rough map at several load points.
 
@@ -122,6 +123,9 @@ def bem_curve(
         (`SolvedLoad`), with its contact map; one call at a time.
     checkpoint
         Called with the curve of the points finished so far, after each.
+    paths
+        Filled, before each checkpoint, with how far the run has come. Given to a call for the
+        loads that are left of a run, it makes their points those of a run without interruption.
 
     Returns
     -------
@@ -146,6 +150,8 @@ def bem_curve(
     compile_ahead("bem")
     kind, given = checked_loads(hm, material, pressures, separations)
     values, place = np.unique(given, return_inverse=True)  # equal loads are solved once
+    if kind == "separation":  # from light to heavy
+        values, place = values[::-1], len(values) - 1 - place
     require_function("checkpoint", checkpoint)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
@@ -163,8 +169,9 @@ def bem_curve(
         allowed = _require_accuracy(accuracy)
         asked |= {"accuracy": allowed[0] if allowed[0] == allowed[1] else [*allowed]}
         tolerance = _LOOSEST
-    order = np.argsort(values if kind == "pressure" else -values, kind="stable")
-    chains = split_loads(_shares(kind, values[order]), hm.heights.size)
+    paths = {} if paths is None else paths
+    values, left = _run(kind, values, hm.heights.size, paths)
+    chains = [*left]
     together = len(chains) > 1 and thread_count() > 1 and fits(hm.shape, boundary, len(chains))
 
     def planned(_: range) -> ContactProblem:
@@ -180,7 +187,7 @@ def bem_curve(
     # those followed together have one thread each, from their plans on
     problems = apart(planned, chains if together else chains[:1])
     problem = problems[0]
-    problem.prescribed(kind, float(values.max() if kind == "pressure" else values.min()))
+    problem.prescribed(kind, float(values[-1]))
     prepared = time.perf_counter()
     solved: dict[int, tuple[Mapping[str, float], str]] = {}
     turn = threading.Lock()
@@ -201,23 +208,29 @@ def bem_curve(
 
     def follow(chain: range, stop: threading.Event) -> None:
         path = LoadPath(problems[-1] if chain.start else problem, allowed)
-        for index in order[chain.start : chain.stop].tolist():
+        if left[chain].start > chain.start:
+            path.go_on(paths[f"state {chain.start}"])
+        for index in left[chain]:
             if stop.is_set():
                 return
             columns, reason = _solve_point(path, kind, float(values[index]))
             seen = None if tell is None else _seen(path.problem, columns, reason)
+            state = None if checkpoint is None else path.state()
             with turn, stopping(stop):
                 if stop.is_set():  # meanwhile: nobody waits for the rest
                     return
                 solved[index] = columns, reason
                 if tell and seen:
                     tell(seen)
-                if checkpoint is not None:
+                if checkpoint is not None and state is not None:
+                    reached = {f"next {chain.start}": np.array([index + 1])}
+                    paths.update(reached | {f"state {chain.start}": state})
                     checkpoint(curve_of([*solved]))
 
-    with reported(progress, len(values), "load points") as tell:
+    with reported(progress, sum(map(len, left.values())), "load points") as tell:
         follow_chains(chains, follow, together=together)
-    return curve_of([*range(len(values))]).select(place)
+    given_ones = [index for some in left.values() for index in some]
+    return curve_of([given_ones[i] for i in place])
 
 
 def _require_accuracy(accuracy: float | tuple[float, float]) -> tuple[float, float]:
@@ -255,6 +268,21 @@ def _seen(problem: ContactProblem, columns: Mapping[str, float], reason: str) ->
     """The load solved last as `progress` sees it."""
     contact = problem.finest.pressure > 0.0
     return SolvedLoad(columns, contact, solved_part(problem), reason, problem.hm)
+
+
+def _run(
+    kind: str, loads: Array, points: int, paths: dict[str, Array]
+) -> tuple[Array, dict[range, range]]:
+    """All loads of a run, and which of them each of its chains has left: of the run that `paths`
+    tells of, if just these loads are left of it; else of a new run."""
+    for run in (paths.get("loads", loads), loads):
+        chains = split_loads(_shares(kind, run), points)
+        left = {c: range(int(paths.get(f"next {c.start}", [c.start])[0]), c.stop) for c in chains}
+        if np.array_equal(np.concatenate([run[some] for some in left.values()]), loads):
+            break
+        paths.clear()
+    paths["loads"] = run
+    return run, left
 
 
 def _shares(kind: str, values: Array) -> Array:

@@ -153,6 +153,7 @@ class LoadPath:
         self._level = 0.0
         self._points = 0
         self._stiffness = 0.0
+        self._kept = np.empty((2, 0))
 
     def solve(self, kind: str, value: float) -> GridSolution:
         """Solve at the next mean pressure [Pa] or separation [m]."""
@@ -185,6 +186,32 @@ class LoadPath:
         solution = self._sharpened(solution, goal)
         self._remember(solution)
         return solution
+
+    def state(self) -> Array:
+        """All that the next load depends on, in one array; asked for after each load."""
+        pressure = self.problem.finest.exact.pressure
+        old = self._kept if self._old is not None else np.empty((2, 0))
+        place = np.flatnonzero(pressure)
+        self._kept = np.stack([place, pressure.flat[place]])
+        facts = (self._tolerance, *self._means, self._level, self._points, self._stiffness)
+        return np.concatenate([[old.shape[1], *facts], old.ravel(), self._kept.ravel()])
+
+    def go_on(self, state: Array) -> None:
+        """Stand where a path of the same problem stood when it had this state."""
+        count, self._tolerance, *means, self._level, points, self._stiffness = state[:7].tolist()
+        self._means, self._points = (means[0], means[1]), int(points)
+        old, self._kept = (each.reshape(2, -1) for each in np.split(state[7:], [2 * int(count)]))
+        exact = self.problem.finest.exact
+        self._put(old)
+        self._old = exact.pressure.astype(np.float32), exact.displacement.astype(np.float32)
+        self._put(self._kept)
+
+    def _put(self, kept: Array) -> None:
+        """Press the surface by pressures at places of the grid, and at no others."""
+        exact = self.problem.finest.exact
+        exact.pressure[:] = 0.0
+        exact.pressure.flat[kept[0].astype(np.intp)] = kept[1]
+        exact.apply()
 
     def _sharpened(self, solution: GridSolution, goal: Prescribed) -> GridSolution:
         """Solve to smaller tolerances until load and area are within the accuracy: usually once,

@@ -105,8 +105,13 @@ def solve_and_keep(
 
     kind, values = checked_loads(hm, material, **loads)
     with bar(len(values), "load points") as advance:
+
+        def solve_points(points: Any, keep: Any, paths: dict[str, Any]) -> ContactCurve:
+            told = {"progress": advance, "checkpoint": keep}
+            return solve(**{f"{kind}s": points}, **told, **({} if chained else {"paths": paths}))
+
         return run_resumably(
-            lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
+            solve_points,
             values,
             kind,
             args.output,

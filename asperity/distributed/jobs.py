@@ -37,7 +37,7 @@ METHODS = {
 """What solves a job, the default first: the public function, and the parts that are compiled for it
 (`asperity.compilation`)."""
 
-OWN = {"hm", "material", "plan", "progress", "checkpoint", "judge"}
+OWN = {"hm", "material", "plan", "progress", "checkpoint", "paths", "judge"}
 """Arguments of the methods that a sweep sets, or that cannot be told from others."""
 
 LIMITS = ("memory",)

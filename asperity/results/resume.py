@@ -18,8 +18,12 @@ from .storage import ResultFile, write_results
 
 __all__ = ["Solve", "require_continuable", "run_resumably", "with_held"]
 
-Solve = Callable[[Array, Callable[[ContactCurve], None]], ContactCurve]
-"""Solves the given load points and calls back with the curve of the points finished so far."""
+Solve = Callable[[Array, Callable[[ContactCurve], None], dict[str, Array]], ContactCurve]
+"""Solves the given load points and calls back with the curve of the points finished so far; it may
+keep arrays in the dict, with which it goes on where it was interrupted."""
+
+_PATH = "path, "
+"""Head of the names of such arrays in the results file."""
 
 SECONDS_BETWEEN_WRITES = 1.0
 """Least time between two writes of the results file."""
@@ -48,8 +52,11 @@ def run_resumably(
     interruption. Returned are all points in the order of `values`.
     """
     done, asked, count = None, f"asked_{kind}", len(values)
+    paths: dict[str, Array] = {}
     if resume and Path(path).exists():
         before = require_continuable(path, request)
+        tables = before.tables.items()
+        paths = {name.removeprefix(_PATH): t for name, t in tables if name.startswith(_PATH)}
         if chained:
             values = with_held(values, kind, before.curves.values())
         curve = before.curves.get(model)
@@ -69,7 +76,8 @@ def run_resumably(
 
     def write(curve: ContactCurve) -> None:
         about = {"request": dict(request)}
-        write_results(path, ResultFile(curves={curve.model: curve}, about=about))
+        tables = {_PATH + name: array for name, array in paths.items()}
+        write_results(path, ResultFile({curve.model: curve}, tables=tables, about=about))
 
     def keep(fresh: ContactCurve) -> None:
         nonlocal next_write
@@ -78,7 +86,8 @@ def run_resumably(
             next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
 
     if done is None or new.any():
-        done = with_earlier(solve(values[new], keep))
+        done = with_earlier(solve(values[new], keep, paths))
+        paths.clear()
         more = np.count_nonzero(new)
         place[new] = len(done) - more + np.arange(more)
     # a load asked for twice may be held twice: it is in the file as often as it is asked for

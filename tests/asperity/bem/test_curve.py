@@ -109,3 +109,47 @@ def test_what_cannot_be_called_is_refused_before_the_work(curve, name):
     """It was found out after the first load point, as a TypeError."""
     with pytest.raises(InputError, match=f"{name} is 3; give a function"):
         curve(rough((24, 30)), BODY, pressures=[0.1], **{name: 3})
+
+
+class Interrupted(Exception):
+    """Stands for a run that is killed."""
+
+
+@pytest.mark.parametrize(
+    ("shape", "after", "how"),
+    [
+        ((24, 30), 1, {"tolerance": 1e-6}),
+        ((24, 30), 5, {"accuracy": 0.05}),
+        ((200, 204), 5, {"accuracy": (0.02, 0.05)}),  # two chains of loads
+    ],
+)
+@pytest.mark.parametrize("kind", ["pressures", "separations"])
+def test_a_run_goes_on_as_if_it_had_not_been_interrupted(shape, after, how, kind):
+    """The loads that were left started anew: areas to an accuracy moved by up to 2 %."""
+    hm = rough(shape, seed=3)
+    loads = np.random.default_rng(0).permutation(np.geomspace(1e-3, 0.3, 9))
+    if kind == "separations":
+        loads = bem_curve(hm, BODY, pressures=loads, tolerance=1e-2).separation
+    seen, paths = [], {}
+
+    def kept(curve):
+        seen.append(curve)
+        if len(seen) == after:
+            raise Interrupted
+
+    whole = bem_curve(hm, BODY, **{kind: loads}, **how)
+    with pytest.raises(Interrupted):
+        bem_curve(hm, BODY, **{kind: loads}, **how, checkpoint=kept, paths=paths)
+    left = ~np.isin(loads, seen[-1].extra[f"asked_{kind[:-1]}"])
+    rest = bem_curve(hm, BODY, **{kind: loads[left]}, **how, paths=paths)
+    for name in ("separation", "mean_pressure", "area_fraction", "stiffness", "error_estimate"):
+        np.testing.assert_allclose(getattr(rest, name), getattr(whole, name)[left], rtol=1e-12)
+
+
+def test_paths_of_another_run_are_left_out():
+    hm, paths = rough((24, 30)), {}
+    bem_curve(hm, BODY, pressures=[0.1, 0.2], checkpoint=lambda _: None, paths=paths)
+    other = bem_curve(hm, BODY, pressures=[0.03, 0.2], paths=paths)
+    np.testing.assert_array_equal(
+        other.separation, bem_curve(hm, BODY, pressures=[0.03, 0.2]).separation
+    )

@@ -42,7 +42,7 @@ class Solver:
     def __init__(self, fails_after: int = 99) -> None:
         self.fails_after, self.solved = fails_after, []
 
-    def __call__(self, values, keep):
+    def __call__(self, values, keep, paths):
         for count, p in enumerate(np.sort(values), start=1):
             self.solved.append(float(p))
             keep(curve_of(np.sort(values)[:count]))
@@ -75,6 +75,24 @@ def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path):
     np.testing.assert_array_equal(whole.extra["iterations"], LOADS)
     kept = ContactCurve.from_hdf5(path)
     np.testing.assert_array_equal(kept.mean_pressure, whole.mean_pressure)
+
+
+def test_what_a_solver_keeps_is_given_back_until_its_loads_are_solved(tmp_path):
+    given = []
+
+    def solve(values, keep, paths):
+        given.append({name: array.tolist() for name, array in paths.items()})
+        paths["state 0"] = np.array([0.5, np.nan, 3.0])[: len(values)]
+        return Solver(fails_after=5 - len(values))(values, keep, paths)
+
+    path = tmp_path / "r.h5"
+    with pytest.raises(KeyboardInterrupt):
+        run_all(solve, path, resume=False, loads=LOADS[:3])
+    assert list(read_results(path).tables) == ["path, state 0"]
+    run_all(Solver(), path, resume=True, loads=LOADS[1:2])  # solved before, as in rounds of anchors
+    run_all(solve, path, resume=True, loads=LOADS[:3])
+    assert given == [{}, {"state 0": [0.5, pytest.approx(np.nan, nan_ok=True), 3.0]}]
+    assert not read_results(path).tables
 
 
 def test_points_that_did_not_converge_are_solved_again(tmp_path):
