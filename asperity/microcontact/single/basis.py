@@ -95,7 +95,8 @@ class TableBasis:
         n_phi = profile.phi.size
         local = _local_cubics(profile)
         spectrum = np.fft.rfft(local, axis=-1) * (2 / n_phi)
-        count = (n_phi - 1) // 2
+        count = n_phi // 2
+        spectrum[..., n_phi - count :] /= 2  # an even number of rays holds the last harmonic twice
         self.orders = np.arange(1, count + 1)
         turn = np.exp(-1j * self.orders * profile.phi[0])
         self._mean = spectrum[..., 0].real / 2

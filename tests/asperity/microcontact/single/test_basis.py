@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import asperity
+from asperity.microcontact.single.basis import TableBasis
 from surfaces import PolarProfile, PowerSumProfile
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -34,3 +35,15 @@ def test_a_contact_far_smaller_than_its_table_has_its_radius(approach):
     table = PolarProfile(r, phi, 0.5 * r[:, None] ** 2 * np.ones(16))
     radius = asperity.indent(table, BODY, approach).radius
     assert radius == pytest.approx(np.sqrt(approach), rel=1e-6, abs=0.0)
+
+
+def test_the_last_harmonic_of_an_even_number_of_rays_counts():
+    """Four rays on the axes of a paraboloid hold its ellipse: the amplitudes of eight rays."""
+    a, r = np.array([0.3, 0.7]), np.linspace(0.0, 1.0, 9)
+    turns = (2 * np.pi * np.arange(count) / count for count in (4, 8))
+    four, eight = (
+        TableBasis(PolarProfile(r, phi, np.outer(r**2, 2.5 - 1.5 * np.cos(2 * phi))), 0.2)
+        for phi in turns
+    )
+    np.testing.assert_allclose(four.amplitudes(a), eight.amplitudes(a)[:, :2], atol=1e-14)
+    np.testing.assert_allclose(four.summit(), eight.summit(), atol=1e-13)
