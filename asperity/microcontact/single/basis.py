@@ -61,7 +61,9 @@ class PowerBasis:
         spectrum = np.fft.rfft(profile.factors(phi), axis=1) * (2 / _SAMPLES)
         self.orders = np.arange(1, _HIGHEST + 1)
         self.harmonics = spectrum[:, 1 : _HIGHEST + 1]
-        self.means = _means(profile) if profile.corners else spectrum[:, 0].real / 2
+        means = _means(profile) if profile.corners else spectrum[:, 0].real / 2
+        rounding = 1e-14 * np.max(np.abs(self.harmonics), axis=1)
+        self.means = np.where(np.abs(means) > rounding, means, 0.0)
         self.depth_factors = self.means * kappa(self.m, self.powers)  # of a^k in D(a)
 
     def depth(self, a: Array, order: int = 0) -> Array:
@@ -221,7 +223,10 @@ def _scan(basis: Basis) -> Array:
     gap = basis.powers[falling] - basis.powers[rising][:, None]
     with np.errstate(divide="ignore", over="ignore"):
         crossing = ratio ** (1 / np.where(gap == 0, np.inf, gap))
-    return np.geomspace(1e-3 * crossing.min(), 1e3 * crossing.max(), 3000)
+    # floating-point numbers hold the terms up to this radius
+    most = np.min((1e300 / np.maximum(pull, 1.0)) ** (1 / np.maximum(basis.powers, 1.0)))
+    ends = np.clip([1e-3 * crossing.min(), 1e3 * crossing.max()], 1e-100, most)
+    return np.geomspace(*ends, 3000)
 
 
 def _end(basis: Basis, scan: Array) -> float:

@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 from asperity.microcontact.single.basis import TableBasis
-from surfaces import PolarProfile, PowerSumProfile
+from surfaces import PolarProfile, PolynomialProfile, PowerSumProfile
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
 
@@ -47,3 +47,24 @@ def test_the_last_harmonic_of_an_even_number_of_rays_counts():
     )
     np.testing.assert_allclose(four.amplitudes(a), eight.amplitudes(a)[:, :2], atol=1e-14)
     np.testing.assert_allclose(four.summit(), eight.summit(), atol=1e-13)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.0, 2.0, 4.0])
+def test_the_tilt_of_a_body_has_no_mean_whatever_its_direction(turn):
+    """Rounding of the mean of cos(phi - turn), below zero, is no falling profile."""
+    tilt = {(1, 0): 0.05 * np.cos(turn), (0, 1): 0.05 * np.sin(turn)}
+    forces = [
+        asperity.indent(PolynomialProfile({**terms, (2, 0): 1.0, (0, 2): 1.0}), BODY, 0.1).force
+        for terms in (tilt, {(1, 0): 0.05})
+    ]
+    assert forces[0] == pytest.approx(float(forces[1]), rel=1e-12)
+
+
+@pytest.mark.parametrize("k", [2.001, 2.0001])
+def test_powers_that_nearly_agree_are_nearly_one(k):
+    """They turn over at 1e200 m and more, which no floating-point number may hold."""
+    near, one = (
+        asperity.indent(PowerSumProfile([2.0, k], [1.0, factor]), BODY, 0.1).force
+        for k, factor in ((k, -0.3), (2.0, -0.3))
+    )
+    assert near == pytest.approx(float(one), rel=2e-3)
