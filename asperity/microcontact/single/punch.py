@@ -22,8 +22,11 @@ __all__ = ["FlatPunch", "flat_punch"]
 _PANEL = 32
 """Gauss nodes between two corners of a punch."""
 
-_ANGLES = 4096
-"""Angles of a punch without corners."""
+_ANGLES, _MOST_ANGLES = 4096, 2**21
+"""Angles of a punch without corners, doubled until its integrals settle; the most of them."""
+
+_SETTLED = 1e-5
+"""Relative change of an integral that has settled."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +101,8 @@ def flat_punch(
     Raises
     ------
     InputError
-        If the planform does not contain the origin.
+        If the planform does not contain the origin, or is too slender for its integrals (an
+        ellipse of 10^5:1).
 
     Examples
     --------
@@ -109,20 +113,37 @@ def flat_punch(
     '1.0000'
     """
     require_half_space(material)
-    function = _boundary(edge)
-    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-    weight = np.full(_ANGLES, 2 * np.pi / _ANGLES)
+    function, m = _boundary(edge), material.m
     kinks = as_numbers("corners", corners).ravel()
     if kinks.size:
-        phi, weight = (part.ravel() for part in corner_rule(kinks, _PANEL))
-    a = function(phi)
-    if not np.all((a >= 1 / LARGEST_NUMBER) & (a <= LARGEST_NUMBER)):
-        raise InputError("the planform must contain the origin: a(phi) > 0 at every angle")
-    m = material.m
-    moment = float(weight @ a ** (1 - m))
-    area = float(weight @ a**2) / 2
+        moment, twice = _integrals(function, m, *corner_rule(kinks, _PANEL))
+    else:
+        moment, twice = _settled(function, m)
+    area = twice / 2
     stiffness = 4 * material.modulus * area / ((1 + m) * moment)
     return FlatPunch(material, function, area, stiffness, moment)
+
+
+def _integrals(
+    function: Callable[[Array], Array], m: float, phi: Array, weight: Array
+) -> tuple[float, float]:
+    """Integrals of a(phi)^(1-m) and a(phi)^2 by a rule of angles and weights."""
+    a = function(phi.ravel())
+    if not np.all((a >= 1 / LARGEST_NUMBER) & (a <= LARGEST_NUMBER)):
+        raise InputError("the planform must contain the origin: a(phi) > 0 at every angle")
+    return float(weight.ravel() @ a ** (1 - m)), float(weight.ravel() @ a**2)
+
+
+def _settled(function: Callable[[Array], Array], m: float) -> tuple[float, float]:
+    """`_integrals` over as many equispaced angles as a slender planform needs."""
+    known, count = (np.inf, np.inf), _ANGLES
+    while count <= _MOST_ANGLES:
+        phi, weight = 2 * np.pi * np.arange(count) / count, np.full(count, 2 * np.pi / count)
+        found = _integrals(function, m, phi, weight)
+        if np.allclose(found, known, rtol=_SETTLED, atol=0.0):
+            return found
+        known, count = found, 2 * count
+    raise InputError("the planform is too slender or rough for its integrals; name its corners")
 
 
 def _boundary(edge: Callable[[Array], ArrayLike] | ArrayLike) -> Callable[[Array], Array]:
