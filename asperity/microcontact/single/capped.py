@@ -31,6 +31,9 @@ pressure of a contact is looked at."""
 _SMALLEST, _LARGEST, _LINES = 1e-6, 1e2, 640
 """Level lines: their radii over that of a contact, and their number."""
 
+_MOVED = 30.0
+"""Factor of the radius of the largest contact within which its level lines are those known."""
+
 _EXPECTED = 0.02
 """Relative error of the force of a saturated contact, beside that of the elastic law."""
 
@@ -52,6 +55,7 @@ class CappedLaw:
         self._profile = profile
         self._material = material
         self._lines: CubicSpline | None = None
+        self._size = 0.0
 
     def at(self, depth: Array) -> tuple[dict[str, Array], dict[str, Array]]:
         """Contacts of the areas of the elastic ones at the approaches `depth` [m], shape (n,).
@@ -65,8 +69,9 @@ class CappedLaw:
         steps = depth * (1 + _STEP * np.arange(-1.0, 2.0)[:, None])
         one = self._solve(steps.ravel())
         area = one.contact_area
-        if self._lines is None and np.any(area > 0):
-            self._lines = _level_lines(self._profile, float(np.sqrt(np.nanmax(area) / np.pi)))
+        size = float(np.sqrt(np.max(area, where=area > 0, initial=0.0) / np.pi))
+        if size > 0 and not self._size / _MOVED <= size <= self._size * _MOVED:
+            self._lines, self._size = _level_lines(self._profile, size), size
         level = None
         if self._lines is not None:
             level = np.exp(self._lines(np.log(np.where(area > 0, area, np.nan))))

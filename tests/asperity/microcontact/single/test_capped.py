@@ -169,3 +169,13 @@ def test_no_pressure_of_a_steep_body_exceeds_the_hardness():
     hardness = 0.83 * elastic.pressure(x, 0 * x).max()
     one = asperity.indent(steep, HalfSpace.from_modulus(1.0, hardness=hardness), 0.01)
     assert one.pressure(x, 0 * x).max() <= hardness
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-6, 1e3])
+def test_a_load_gives_the_contact_of_its_approach_in_every_unit(size):
+    """The search begins far from the contact, where the body has another power."""
+    body = PowerSumProfile([2.0, 4.0], [1 / size, 1 / size**3])
+    hard = HalfSpace.from_modulus(1.0, hardness=0.05)
+    pressed = asperity.indent(body, hard, 0.01 * size)
+    loaded = asperity.indent(body, hard, load=pressed.force)
+    assert loaded.approach == pytest.approx(0.01 * size, rel=1e-6)
