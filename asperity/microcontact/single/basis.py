@@ -30,6 +30,7 @@ __all__ = [
     "radius_at",
     "samples",
     "synthesis",
+    "turning_radius",
 ]
 
 Complex = NDArray[np.complex128]
@@ -182,11 +183,6 @@ def radius_at(basis: Basis, approach: Array) -> Array:
     NaN beyond the first zero of D'(a), and beyond four times the last radius of a table.
     """
     scan = _scan(basis)
-    if not basis.depth(scan[:1])[0] > 0:
-        raise ModelRangeError(
-            "the mean profile does not rise from its summit, so the approach has no contact; "
-            "put the origin at the highest point"
-        )
     end = _end(basis, scan)
     a = np.where(approach > 0, np.nan, 0.0)
     grid = np.append(scan[scan < end], end)
@@ -209,6 +205,12 @@ def radius_at(basis: Basis, approach: Array) -> Array:
     return a
 
 
+def turning_radius(basis: Basis) -> float:
+    """Radius [m] at which D' first vanishes, or to which a table is followed; infinite for a
+    power-law body that only rises."""
+    return _end(basis, _scan(basis))
+
+
 def _scan(basis: Basis) -> Array:
     """Radii at which the sign of D' is looked at."""
     if isinstance(basis, TableBasis):
@@ -225,13 +227,17 @@ def _scan(basis: Basis) -> Array:
         crossing = ratio ** (1 / np.where(gap == 0, np.inf, gap))
     # floating-point numbers hold the terms up to this radius
     most = np.min((1e300 / np.maximum(pull, 1.0)) ** (1 / np.maximum(basis.powers, 1.0)))
-    ends = np.clip([1e-3 * crossing.min(), 1e3 * crossing.max()], 1e-100, most)
-    return np.geomspace(*ends, 3000)
+    low, high = np.clip([1e-3 * crossing.min(), 1e3 * crossing.max()], 1e-100, most)
+    return np.geomspace(low, high, 3000)
 
 
 def _end(basis: Basis, scan: Array) -> float:
-    """Radius [m] at which D' first vanishes, or to which a table is followed; infinite for a
-    power-law body that only rises."""
+    """`turning_radius`, from the radii of `_scan`."""
+    if not basis.depth(scan[:1])[0] > 0:
+        raise ModelRangeError(
+            "the mean profile does not rise from its summit, so the approach has no contact; "
+            "put the origin at the highest point"
+        )
     turned = np.flatnonzero(basis.depth(scan, 1) <= 0)
     if turned.size == 0:
         return float(scan[-1]) if isinstance(basis, TableBasis) else np.inf

@@ -18,6 +18,7 @@ from surfaces.errors import as_choice, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import circle, ellipse, hertz, ritz
+from .basis import basis_of, turning_radius
 from .capped import CappedLaw
 from .indentation import Indentation
 
@@ -146,11 +147,11 @@ def indent(
         if load is not None:
             _require_carried(profile, material, goal)
         capped = CappedLaw(elastic, profile, material)
-        one = _yielding(capped, goal, _first(profile, goal), load is not None, refusal)
+        one = _yielding(capped, goal, _first(profile, material.m, goal), load is not None, refusal)
     elif load is None:
         one = elastic(goal)
     else:
-        one = elastic(_depth(_forces(elastic), _first(profile, goal), goal, refusal))
+        one = elastic(_depth(_forces(elastic), _first(profile, material.m, goal), goal, refusal))
     shaped: dict[str, Any] = {
         name: values.reshape(given.shape)
         for name, values in vars(one).items()
@@ -196,11 +197,15 @@ def _values(capped: CappedLaw, name: str) -> Measure:
     return measure
 
 
-def _first(profile: PowerSumProfile | PolarProfile, goal: Array) -> Array:
-    """Approaches to begin with: the gap [m] at a quarter of the radius of a profile."""
-    radius = profile.radius if np.isfinite(profile.radius) else 1.0
-    turn = 2 * np.pi * np.arange(16) / 16
-    return np.full(goal.shape, np.mean(profile(radius / 4, turn)))
+def _first(profile: PowerSumProfile | PolarProfile, m: float, goal: Array) -> Array:
+    """Approaches to begin with: the gap [m] at a quarter of the radius of a profile; of a body of
+    powers D(a) at a quarter of the radius at which it turns over, or of 1 m."""
+    if isinstance(profile, PolarProfile):
+        turn = 2 * np.pi * np.arange(16) / 16
+        return np.full(goal.shape, np.mean(profile(profile.radius / 4, turn)))
+    basis = basis_of(profile, m)
+    radius = min(turning_radius(basis), 1.0)
+    return np.full(goal.shape, basis.depth(np.array([radius / 4]))[0])
 
 
 def _depth(measure: Measure, start: Array, goal: Array, refusal: str) -> Array:

@@ -68,3 +68,17 @@ def test_powers_that_nearly_agree_are_nearly_one(k):
         for k, factor in ((k, -0.3), (2.0, -0.3))
     )
     assert near == pytest.approx(float(one), rel=2e-3)
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-7, 1e5])
+def test_a_load_is_found_on_a_body_that_turns_over_in_every_unit(size):
+    """r^2/size - r^4/size^3 turns over at 0.7 size, beyond which no search may begin."""
+    body = PowerSumProfile([2.0, 4.0], [1 / size, -1 / size**3])
+    pressed = asperity.indent(body, BODY, np.array([1e-4, 0.02, 0.2]) * size)
+    loaded = asperity.indent(body, BODY, load=pressed.force)
+    np.testing.assert_allclose(loaded.approach, pressed.approach, rtol=1e-10)
+
+
+def test_a_body_that_only_falls_is_refused_under_a_load():
+    with pytest.raises(asperity.ModelRangeError, match="does not rise from its summit"):
+        asperity.indent(PowerSumProfile([2.0], [-1.0]), BODY, load=1.0)
