@@ -268,6 +268,8 @@ def _cell(name: str, text: str) -> bool | str | list[str]:
 def _words(given: Mapping[str, Any], file: Path, maps: Sequence[str]) -> list[str]:
     """Options as words of a command line, the files last; files lie beside the plan."""
     given = dict(given)
+    if isinstance(given.get("against"), str):
+        given["against"] = str(file.parent / given["against"])
     named = [given.pop(name) for name in ("file", "files") if name in given]
     words = []
     for name, value in given.items():

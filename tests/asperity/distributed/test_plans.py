@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import asperity
+import surfaces
 from asperity.cli.main import main
 from asperity.distributed import work
 from surfaces.numerics.memory import available_bytes, set_memory
@@ -89,6 +90,19 @@ def test_workers_in_another_folder_know_the_memory_and_the_second_surface(
     capsys.readouterr()
     assert main([*call, "--memory", "2GiB", "-o", "out", "--json"]) == 0, capsys.readouterr()
     assert len(left) == 1  # what is finished is the same with another limit
+
+
+def test_the_second_surface_of_a_plan_lies_beside_it(here, maps, tmp_path, monkeypatch, capsys):
+    maps(3)
+    monkeypatch.chdir(tmp_path)
+    Path("maps/m2.h5").replace("m1.h5")  # of the same name, where the command is called
+    Path("maps/plan.toml").write_text('files = "m0.h5"\nagainst = "m1.h5"\nE = 1e11\nload = 1\n')
+    Path("maps/jobs.csv").write_text("file,against,E,load\nm0.h5,m1.h5,1e11,1\n")
+    assert main(["sweep", "maps/plan.toml", "maps/jobs.csv", "-o", "out", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["results"]
+    one, two = (surfaces.read(f"maps/m{seed}.h5") for seed in (0, 1))
+    rms_height = surfaces.composite(one, two).rms_height
+    assert [row["rms_height"] for row in rows] == pytest.approx([rms_height] * 2, rel=1e-9)
 
 
 @pytest.mark.parametrize(
