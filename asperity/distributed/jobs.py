@@ -177,6 +177,8 @@ class Jobs:
             return [self._plain(one, files) for one in value]
         if value is None or isinstance(value, bool | int | float):
             return value
+        if inspect.ismethod(value):  # what it makes is told by its object as well
+            return [self._plain(value.__self__, files), value.__func__.__qualname__]
         name = getattr(value, "__qualname__", "<")
         if not callable(value) or "<" in name:
             raise InputError(

@@ -259,6 +259,7 @@ def test_maps_in_memory_loads_and_preparation(here, tmp_path):
         ({"surfaces": []}, "at least one surface"),
         ({"surfaces": 7}, "a path, a glob, a HeightMap or a function that makes one, not int"),
         ({"surfaces": lambda: None}, "cannot be told from another"),
+        ({"surfaces": MAKE(seed=1).crop}, "HeightMap .* cannot be told from another"),
         ({"settings": {"speed": 1.0}}, "speed is no setting of the method curve; it takes"),
         ({"settings": 3.0}, "settings are keywords of a method, not float"),
         ({"settings": {"method": ["bem"]}}, "choose one of curve, bem, solve"),
