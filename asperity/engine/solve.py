@@ -174,7 +174,8 @@ def solve(
         if choice.engine in ("anchored", "sampled") and curve.extra["anchor"].all():
             why = f"the model did not hold so well; {choice.engine} was tried, {choice.reason}"
             choice = choice._replace(engine="bem", reason=why)
-            curve = replace(curve, model="bem")
+            kept = {name: told for name, told in curve.settings.items() if name != "law"}
+            curve = replace(curve, model="bem", settings=kept)
         clock.stage("boundary elements")
         left = UNTOLD if choice.engine == "model" else scene.resolution(curve, values)
         clock.stage("resolution")

@@ -70,6 +70,15 @@ def test_points_that_the_file_holds_stay_there(capsys):
     assert ContactCurve.from_hdf5("results.h5").extra["asked_pressure"].tolist() == [3e6, 1e6, 2e6]
 
 
+def test_a_run_whose_every_load_is_an_anchor_goes_on():
+    """Its curve, by boundary elements alone, was taken for one of a contact law."""
+    run = [*ASKED[:4], "--engine", "anchored", "--accuracy", "3%", "--resume"]
+    for loads in ("1e8:1e9:5", "1e8:3e9:6"):
+        assert main([*run, "--pressure", loads]) == 0
+    held = ContactCurve.from_hdf5("results.h5", "bem")
+    assert held.settings["engine"] == "bem" and len(held) == 10  # the lightest is one of both
+
+
 @pytest.mark.parametrize("engine", ["bem", "anchored"])
 def test_what_pixels_leave_open_stays_known(engine):
     """A run that goes on solves no load, and took that for nothing that touches."""
