@@ -98,6 +98,7 @@ def _results(compared: LawComparison) -> dict[str, Any]:
     laws = [
         {name: getattr(row.solution, name) for name in told if row.solution is not None}
         | {name: getattr(row, name) for name in errors}
+        | {"flags": row.solution.flag_names() if row.solution is not None else ""}
         | {"law": row.law, "reason": row.reason}
         for row in compared.rows
     ]

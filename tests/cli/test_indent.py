@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import h5py
 import numpy as np
 import pytest
@@ -180,3 +182,15 @@ def test_damaged_profile_files_are_refused(tmp_path, capsys):
     path.write_bytes(path.read_bytes()[:700])
     assert main(["indent", str(path), "--E", "1"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_flags_are_told_to_programs_too(tmp_path, capsys):
+    """A force beyond the first contact of a second summit came without a word."""
+    x, y = np.meshgrid(np.arange(40), np.arange(32))
+    two = np.maximum(-((x - 12) ** 2), -0.3 - (x - 28) ** 2) - (y - 16) ** 2
+    write(HeightMap(two * 1e-9, 1e-7), tmp_path / "two.h5")
+    call = ["indent", str(tmp_path / "two.h5"), "--modulus", "1e9", "--law", "hertz,harmonic"]
+    assert main([*call, "--approach", "90nm", "--json"]) == 1
+    told = capsys.readouterr()
+    for law in json.loads(told.out)["results"][0]["laws"]:
+        assert "SECOND_SUMMIT" in law["flags"] and law["flags"] in told.err
