@@ -21,7 +21,7 @@ from surfaces.errors import as_count, as_number, as_numbers, as_path, as_truth
 from surfaces.heightmap import HeightMap
 
 from .bands import DECIDES, QUANTITIES, Ensemble, relative_half_width
-from .index import Sweep
+from .index import Sweep, require_own
 from .jobs import Job, Jobs
 from .pool import Workers
 from .sweep import row_of, run
@@ -124,6 +124,8 @@ def ensemble(
     elif windows is not None:
         members = _windows(members, windows)
     maker, on = Jobs(as_path(folder)), Workers(workers, scheduler, threads)
+    if not as_truth("force", force):
+        require_own(maker.folder, "ensemble.csv", "ensemble.h5", "convergence.csv")
     chosen = list(maker.surfaces(members))
     if until is not None and not as_number("until", until) > 0.0:
         raise InputError(f"until is {until}; give a relative half width above 0, such as 0.02")
@@ -132,7 +134,7 @@ def ensemble(
     jobs = maker.product(chosen, material, {**first.settings, "pressures": pressures})
     distinct = list({job.file: job for job in jobs}.values())
     rows, curves, widths = list[Any](), list[Any](), list[float]()
-    stream = run(distinct, maker.folder, on, as_truth("force", force), columns=True)
+    stream = run(distinct, maker.folder, on, force, columns=True)
     with reported(progress, len(distinct), "members") as tell, closing(stream):
         for job, result in _in_order(distinct, stream):
             rows.append(row_of(job, result))

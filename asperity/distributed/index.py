@@ -25,7 +25,7 @@ from asperity.results.storage import (
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ["Sweep"]
+__all__ = ["Sweep", "require_own"]
 
 TABLE = "index"
 
@@ -99,9 +99,9 @@ class Sweep:
         write_csv(path, columns(self.table))
 
     def write(self) -> None:
-        """Write ``index.csv`` and ``index.h5`` into the folder, each replaced at once."""
-        self.to_csv(self.folder / "index.csv")
+        """Write ``index.h5`` and ``index.csv`` into the folder, each replaced at once."""
         write_results(self.folder / "index.h5", ResultFile(tables={TABLE: self.table}))
+        self.to_csv(self.folder / "index.csv")
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str]) -> Sweep:
@@ -139,6 +139,20 @@ class Sweep:
         return "\n".join(lines)
 
     __repr__ = __str__
+
+
+def require_own(folder: Path, *names: str) -> None:
+    """Refuse a folder with files of these names, or of an index, that are of no sweep: those of a
+    sweep would replace them."""
+    there = [name for name in ("index.csv", "index.h5", *names) if (folder / name).exists()]
+    try:
+        if there:
+            Sweep.read(folder)
+    except FileFormatError:
+        raise InputError(
+            f"{folder / there[0]} is there already, and not of a sweep; give another folder, or "
+            "force it to be replaced (--force)"
+        ) from None
 
 
 def _column(name: str, rows: Sequence[Mapping[str, str | float]]) -> NDArray[Any]:

@@ -16,7 +16,7 @@ from asperity.progress import Progress, reported
 from surfaces.errors import as_path, as_truth
 from surfaces.files.atomic import make_folder
 
-from .index import Sweep
+from .index import Sweep, require_own
 from .jobs import METHODS, Job, Jobs
 from .pool import Workers, opened, run_in_batches
 from .work import JobResult, finished, run_jobs
@@ -72,7 +72,7 @@ def sweep(
     threads
         Threads of each job. Results depend on it in their last digits, and not on the workers.
     force
-        Whether finished jobs are run again.
+        Whether finished jobs are run again, and an ``index.csv`` that is of no sweep is replaced.
     progress
         True for a progress bar with the time left, or a function called with each row as it comes.
 
@@ -149,6 +149,8 @@ def run_sweep(
 ) -> Sweep:
     """Run jobs that were made before, see `sweep`; what it returns is written to the folder."""
     found: dict[str, JobResult] = {}
+    if not force:
+        require_own(folder)
     make_folder(folder)  # before the index is written there, whatever else happens
 
     def index() -> Sweep:

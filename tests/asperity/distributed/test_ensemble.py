@@ -242,3 +242,19 @@ def test_a_scatter_that_nobody_knows_is_told(here, tmp_path):
     """Loads of which no member converges: the mean of nothing warned."""
     found = asperity.ensemble(MAKE, STEEL, {"pressures": [1e13, 2e13]}, folder=tmp_path, seeds=2)
     assert "scatter         unknown" in str(found)
+
+
+@pytest.mark.parametrize("name", ["index.csv", "ensemble.csv"])
+def test_a_file_of_another_kind_is_not_replaced(name, here, tmp_path):
+    """The table of the jobs, called index.csv, was replaced by the index of the sweep."""
+    (tmp_path / name).write_text("file,E\nscan.h5,210e9\n")
+    run = partial(asperity.ensemble, MAKE, STEEL, LOADS, folder=tmp_path, seeds=2)
+    calls = [run]
+    if name == "index.csv":
+        calls.append(partial(asperity.sweep, MAKE(seed=0), STEEL, LOADS, folder=tmp_path))
+    for call in calls:
+        with pytest.raises(asperity.InputError, match=f"{name} is there already, and not of a sw"):
+            call()
+    assert (tmp_path / name).read_text().startswith("file,E")
+    run(force=True)
+    assert len(run()) == 2
