@@ -177,3 +177,10 @@ def test_contacts_of_a_power_law_are_similar():
     one = indent(polygon(3, 2.0), hard, depth, law="auto")
     back = indent(polygon(3, 2.0), hard, load=one.force, law="auto")
     np.testing.assert_allclose(back.approach, depth, rtol=1e-6)
+
+
+@pytest.mark.parametrize("law", TIPS)
+def test_gaps_beyond_the_largest_number_are_no_fall(law):
+    """Two of them made a RuntimeWarning of a body of a high power, from r^300 on."""
+    flags, _ = flags_of(PowerLawProfile(700.0, 1.0), [1e-6, 1.0], law)
+    assert not any(bits & Flag.RAY_TURNS for bits in flags)

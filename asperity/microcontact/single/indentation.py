@@ -201,7 +201,7 @@ def profile_flags(
     r = last * (np.arange(1, _RADII + 1) / _RADII) ** 1.5
     every = max(1, phi.size // _RAYS)
     with np.errstate(over="ignore"):
-        f = profile(r[:, None], phi[::every])
+        f = np.minimum(profile(r[:, None], phi[::every]), np.finfo(float).max)
     edge = contour[:, ::every]
     below = _first(f < 0, r)
     scale = np.maximum.accumulate(np.abs(f), axis=0)
