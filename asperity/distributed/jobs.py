@@ -141,7 +141,8 @@ class Jobs:
         Empty cells (None, NaN) are left out.
         """
         rows = table.to_dict("records") if hasattr(table, "to_dict") else table
-        if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
+        table_of_rows = isinstance(rows, Sequence) and all(isinstance(row, Mapping) for row in rows)
+        if not (table_of_rows and rows):
             raise InputError("a sweep needs materials, or a table with a row for each job")
         for number, row in enumerate(rows):
             absent = {k for k, v in row.items() if v is None or (isinstance(v, float) and v != v)}

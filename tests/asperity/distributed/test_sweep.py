@@ -256,6 +256,7 @@ def test_maps_in_memory_loads_and_preparation(here, tmp_path):
         ({"materials": {"E": 1e9, "G": 1.0}}, "a material is E and nu"),
         ({"materials": 3.0}, "HalfSpace or its keywords, not float"),
         ({"materials": None}, "needs materials, or a table"),
+        ({"materials": None, "surfaces": []}, "a table with a row for each job"),
         ({"surfaces": []}, "at least one surface"),
         ({"surfaces": 7}, "a path, a glob, a HeightMap or a function that makes one, not int"),
         ({"surfaces": lambda: None}, "cannot be told from another"),
