@@ -127,7 +127,11 @@ class ContactProblem:
             return None
         if given is None:
             return self._nested(goal)
-        np.clip(given, 0.0, self.material.hardness, out=pressure)
+        most = self.material.hardness
+        if goal.level is not None:  # a point's own displacement is at most the whole approach
+            approach = goal.level + self.finest.highest
+            most = min(most, approach / (self.own * self.compliance))
+        np.clip(given, 0.0, most, out=pressure)
         if goal.level is not None:
             pressure *= self.compliance
         else:  # sums of what is given may overflow

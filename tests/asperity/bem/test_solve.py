@@ -216,6 +216,10 @@ def test_warm_start_and_guess():
     np.testing.assert_allclose(near.pressure, far.pressure, atol=1e-4 * far.pressure.max())
     with pytest.raises(errors.InputError, match="guess has shape"):
         bem_solve(hm, BODY, pressure=0.06, guess=np.zeros((3, 3)))
+    for scale in (1e25, 1e300):  # a pressure of this size hides the map in single precision
+        load = {"separation": cold.separation, "boundary": "periodic"}
+        again = bem_solve(hm, BODY, **load, guess=scale * cold.pressure)
+        assert again.converged and again.load == pytest.approx(cold.load, rel=1e-4)
 
 
 def test_monotony():
