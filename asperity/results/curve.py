@@ -134,12 +134,12 @@ class ContactCurve(CurveTable):
         InputError
             If one of them is no load point.
         """
-        chosen = np.asarray(points)
         try:
+            chosen = np.asarray(points)
             index = np.atleast_1d(np.arange(len(self))[chosen if chosen.size else []])
             if index.ndim > 1:
                 raise IndexError
-        except IndexError:
+        except (IndexError, ValueError):  # numbers of unequal rows make no array
             raise InputError(
                 f"points are {points!r}; the load points are numbered 0 to {len(self) - 1}"
             ) from None

@@ -298,10 +298,12 @@ class CurveTable:
         return ax
 
     def _light_to_heavy(self) -> Array:
-        """What orders the load points from light to heavy."""
-        if "asked_separation" in self.extra:
-            return -self.extra["asked_separation"]
-        return np.asarray(self.extra.get("asked_pressure", self.mean_pressure))
+        """What orders the load points from light to heavy: what was asked for, if it is of one
+        kind."""
+        if len(self.asked) != 1:
+            return self.mean_pressure
+        ((name, values),) = self.asked.items()
+        return -values if name == "asked_separation" else values
 
     def _repr_html_(self) -> str:
         """Table and figure for a notebook."""

@@ -9,6 +9,7 @@ import sys
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from samples import power_law_curve
 
 from asperity.errors import InputError
@@ -127,7 +128,7 @@ def test_points_are_selected_by_number_or_mask():
     assert len(curve.select(3)) == 1 and len(curve.select([])) == 0
 
 
-@pytest.mark.parametrize("points", [[12], [True, False], 1.5, "first", [[0, 1]]])
+@pytest.mark.parametrize("points", [[12], [True, False], 1.5, "first", [[0, 1]], [[0], [1, 2]]])
 def test_points_that_are_none_are_refused(points):
     with pytest.raises(InputError, match="numbered 0 to 11"):
         power_law_curve().select(points)
@@ -159,6 +160,19 @@ def test_a_curve_is_joined_to_a_later_one_of_the_same_run():
             first.joined(dataclasses.replace(second, **other))
     with pytest.raises(InputError, match="a contact curve is needed, not int"):
         first.joined(3)
+
+
+def test_a_figure_of_runs_at_pressures_and_at_separations_goes_from_light_to_heavy():
+    curve = power_law_curve(6)
+    runs = (
+        dataclasses.replace(curve, extra={f"asked_{name}": getattr(curve, column)}).select(points)
+        for name, column, points in (
+            ("pressure", "mean_pressure", [4, 0, 2]),
+            ("separation", "separation", [5, 1, 3]),
+        )
+    )
+    (line,) = ContactCurve.joined(*runs).plot("load", "area_fraction", Figure().subplots()).lines
+    np.testing.assert_array_equal(line.get_xdata(), curve.load)
 
 
 def test_csv_holds_the_columns(tmp_path):
