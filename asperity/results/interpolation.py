@@ -188,11 +188,12 @@ def knots_of(columns: Mapping[str, NDArray[Any]], *, closed: bool = False) -> In
 
     They are the points under load whose separation is smaller than that of all lighter ones; in
     full contact, where the separation stays, only the lightest, or all if `closed`. Of points of
-    nearly one load, whose difference is that of two solutions more than of two loads, one is kept.
+    one load, as where all has yielded, the one of largest separation counts. Of points of nearly
+    one load, whose difference is that of two solutions more than of two loads, one is kept.
     """
     pressures, separations = columns["mean_pressure"], columns["separation"]
     usable = columns["converged"] & (pressures > 0) & np.isfinite(separations)
-    order = np.flatnonzero(usable)[np.argsort(pressures[usable])]
+    order = np.flatnonzero(usable)[np.lexsort((-separations[usable], pressures[usable]))]
     order = order[_rising(pressures[order])]
     scale = np.abs(separations[order]).max(initial=0.0) or 1.0
     # rounding is no smaller gap

@@ -56,6 +56,18 @@ def test_points_whose_separation_does_not_fall_are_left_out():
     np.testing.assert_allclose(point.mean_pressure, curve.mean_pressure[[3, 7]], rtol=1e-9)
 
 
+def test_of_points_that_have_yielded_all_over_the_lightest_is_read_in_any_order():
+    """They bear the hardness at any separation below the first at which they do."""
+    curve = power_law_curve(6)
+    pressure, separation = curve.mean_pressure.copy(), curve.separation.copy()
+    pressure[4:], separation[5] = pressure[4], separation[4] - 1e-5
+    curve = dataclasses.replace(curve, mean_pressure=pressure, separation=separation)
+    between = np.sqrt(pressure[3] * pressure[4])
+    for points in (np.arange(6), [5, 4, 3, 2, 1, 0]):
+        found = curve.select(points).at(pressure=between).separation
+        assert found == pytest.approx(0.5 * (separation[3] + separation[4]), rel=1e-9)
+
+
 @pytest.mark.parametrize("question", [{"pressure": "much"}, {"separation": [1e-6, None, "x"]}])
 def test_reading_off_at_no_number_is_refused(question):
     with pytest.raises(InputError, match="a number or an array"):
