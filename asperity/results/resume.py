@@ -112,7 +112,7 @@ def require_continuable(
     results file, or of another request."""
     held = read_results(path)
     before = held.about.get("request", {})
-    changed = [key for key in request if before.get(key) != request[key]]
+    changed = [key for key in {**before, **request} if before.get(key) != request.get(key)]
     if changed:
         raise InputError(
             f"{path} cannot be continued: {', '.join(changed)} changed; give another -o or leave "

@@ -166,3 +166,11 @@ def test_another_input_is_not_continued(tmp_path):
     run_all(Solver(), path, resume=False)
     with pytest.raises(InputError, match="cannot be continued: law changed"):
         run_all(Solver(), path, request={**REQUEST, "law": "hertz"}, resume=True)
+
+
+def test_a_body_with_a_hardness_is_not_continued_without(tmp_path):
+    """A fact that the new request lacks changed, too."""
+    path = tmp_path / "r.h5"
+    run_all(Solver(), path, resume=False, request={**REQUEST, "hardness": 3e7})
+    with pytest.raises(InputError, match="cannot be continued: hardness changed"):
+        run_all(Solver(), path, resume=True)
