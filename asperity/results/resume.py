@@ -67,8 +67,9 @@ def run_resumably(
     if done is not None:
         held = np.isclose(values[:, None], done.extra[asked], rtol=1e-12, atol=0.0)
     new, place = ~held.any(axis=1), held.argmax(axis=1)
+    again = np.empty(0)  # load points of the file that are solved anew
     if chained and new.any():
-        done, new = None, np.ones_like(new)
+        again, done, new = values[~new], None, np.ones_like(new)
     earlier, next_write = done, time.monotonic() + SECONDS_BETWEEN_WRITES
 
     def with_earlier(fresh: ContactCurve) -> ContactCurve:
@@ -81,7 +82,8 @@ def run_resumably(
 
     def keep(fresh: ContactCurve) -> None:
         nonlocal next_write
-        if time.monotonic() >= next_write:
+        lost = np.setdiff1d(again, fresh.extra[asked])
+        if time.monotonic() >= next_write and not lost.size:
             write(with_earlier(fresh))
             next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
 

@@ -143,6 +143,17 @@ def test_points_that_start_from_each_other_stay_in_the_file(tmp_path):
     np.testing.assert_array_equal(np.sort(held), np.sort(LOADS[:3]))
 
 
+def test_an_interruption_takes_no_point_out_of_the_file(tmp_path):
+    """Where one is missing, all points that start from each other are solved again."""
+    path, how = tmp_path / "r.h5", {"model": "bem", "request": REQUEST, "chained": True}
+    run_resumably(Solver(), LOADS[:2], "pressure", path, resume=False, **how)
+    for count, held in ((1, LOADS[:2]), (2, LOADS[:2]), (3, LOADS[:3])):
+        with pytest.raises(KeyboardInterrupt):
+            run_resumably(Solver(count), LOADS, "pressure", path, resume=True, **how)
+        kept = read_results(path).curves["bem"].extra["asked_pressure"]
+        np.testing.assert_array_equal(np.sort(kept), np.sort(held))
+
+
 def test_points_that_are_not_asked_for_stay_in_the_file(tmp_path):
     """Rounds of anchors ask for few points first, then for more: a run that goes on solves none."""
     path = tmp_path / "r.h5"
