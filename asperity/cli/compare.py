@@ -12,7 +12,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.progress import bar
 from surfaces.heightmap import HeightMap
 
-from . import options, output, targets
+from . import batch, options, output, targets
 from .messages import tell
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compare on each file; a bad file is named and the others go on."""
     if args.report is None and args.output is not None:
+        targets.fill_in(args, len(batch.expand(args.files)) > 1)
         args.report = targets.beside(args.output, "report.html")
     return output.each(args, _compare)
 

@@ -126,8 +126,9 @@ def test_one_file_leaves_no_table_and_several_leave_a_folder(folder):
 def test_the_report_of_a_comparison_lies_beside_its_results(folder):
     assert main(["compare", "map1.h5", *STEEL, *LIGHT, "-o", "steel.h5"]) == 0
     assert main(["compare", "map1.h5", *STEEL, *LIGHT, "-o", "new/"]) == 0
+    assert main(["compare", "map1.h5", "map3.h5", *STEEL, *LIGHT, "-o", "more"]) == 0  # a folder
     made = {str(path.relative_to(folder)) for path in folder.rglob("*.html")}
-    assert made == {"steel.html", "new/report.html"}
+    assert made == {"steel.html", "new/report.html", "more/report.html"}
 
 
 @pytest.mark.parametrize("command", ["curve", "bem", "solve", "compare"])
