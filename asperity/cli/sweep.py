@@ -201,6 +201,13 @@ def _merged(
             f"{file}: {', '.join(unknown)}: no options of a map, its material or what solves it; "
             "give others on the command line"
         )
+    single = {one.dest for one in args.planned._actions if one.nargs in (None, 0)} - {
+        *options.LOADS
+    }
+    for name, value in given.items():
+        if name.replace("-", "_") in single and isinstance(value, list) and len(value) > 1:
+            text = f"{file}: {name} takes one value; give each a table [[settings]] of its own"
+            raise InputError(text)
     try:
         words = _words(given, Path(file), maps)
         found: argparse.Namespace = args.planned.parse_args(words, copy.copy(args))

@@ -117,6 +117,10 @@ def test_the_second_surface_of_a_plan_lies_beside_it(here, maps, tmp_path, monke
         ('files = "maps/*.h5"\nmaterial = 3', "plan.toml: material is no table"),
         ('files = "maps/*.h5"\nmaterial = [{E = 1}, 3]', "plan.toml: material is no table"),
         ("files = [3]", "plan.toml: names no file"),
+        (
+            'files = "maps/*.h5"\nE = 1e9\nscales = ["auto", "all"]',
+            "plan.toml: scales takes one val",
+        ),
         ('files = "maps/*.h5"\nE = 1e9\nno-interaction = "maybe"', "argument --no-interaction: "),
     ],
 )
