@@ -70,6 +70,7 @@ def _solve(
 ) -> Mapping[str, Any]:
     from asperity.engine.solve import solve
     from asperity.halfspace.load_points import checked_loads
+    from asperity.results.curve import read_results
     from asperity.results.resume import require_continuable, with_held
     from asperity.results.storage import ResultFile, write_results
 
@@ -77,13 +78,15 @@ def _solve(
     request = output.request_of(hm, material, args, settings)
     judge = _Resumable(args, request)
     kind, values = checked_loads(hm, material, **loads)
-    count = len(values)
+    count, held = len(values), dict[str, ContactCurve]()
     if args.resume and Path(args.output).exists():
         held = require_continuable(args.output, request).curves
         values = with_held(values, kind, held.values())
     points: dict[str, Any] = {f"{kind}s": values}
     curve = solve(hm, material, **points, **settings, judge=judge)
-    curves = {one.model: one for one in (judge.solved, curve) if one is not None}
+    if judge.asked.size:  # it added to what the file held
+        held = read_results(args.output).curves
+    curves = {one.model: one for one in (held.get("bem"), curve) if one is not None}
     write_results(args.output, ResultFile(curves=curves, about={"request": request}))
     return output.finish(curve.select(np.arange(count)), hm, material, args)
 
@@ -100,7 +103,6 @@ class _Resumable:
     def __init__(self, args: argparse.Namespace, request: dict[str, Any]) -> None:
         self.args, self.request = copy.copy(args), request
         self.asked = np.empty(0)
-        self.solved: ContactCurve | None = None
 
     def __call__(
         self,
@@ -127,8 +129,8 @@ class _Resumable:
             return bem_curve(hm, material, progress=both, **asked, **how)
 
         self.asked = np.append(self.asked, points)
-        self.solved = output.solve_and_keep(
+        solved = output.solve_and_keep(
             solve, hm, material, {kind: self.asked}, self.args, "bem", self.request
         )
         self.args.resume = True  # what follows is added to it
-        return self.solved.select(np.arange(len(self.asked) - len(points), len(self.asked)))
+        return solved.select(np.arange(len(self.asked) - len(points), len(self.asked)))

@@ -57,6 +57,18 @@ def test_anchored_run_keeps_its_anchors_and_goes_on(monkeypatch):
     assert len(solved) <= 4
 
 
+def test_what_boundary_elements_solved_stays_in_the_file():
+    """Fewer than five loads are solved by them alone; of more some are anchors."""
+    call = [*ASKED[:-1], "2e8,3e8", "--engine", "anchored", "--accuracy", "10%"]
+    assert main(call) == 0
+    first = ContactCurve.from_hdf5("results.h5", "bem")
+    call[call.index("2e8,3e8")] = "1e8:1e9:8"
+    assert main([*call, "--resume"]) == 0
+    held = ContactCurve.from_hdf5("results.h5", "bem")
+    assert len(held) < len(ContactCurve.from_hdf5("results.h5", "anchored"))
+    assert np.isin(first.separation, held.separation).all()
+
+
 def test_separations_and_a_free_map(capsys):
     assert main([*ASKED[:4], "--separation", "1.5e-5:8e-6:3", "--boundary", "free"]) == 0
     assert "free" in capsys.readouterr().out
