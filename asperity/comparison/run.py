@@ -231,7 +231,8 @@ def _require_reference(
 ) -> None:
     """Refuse what is no curve by boundary elements of this map and body at these load points."""
     require_curve(reference_curve)
-    facts = {"model": "bem", "input": hm.digest, "boundary": boundary, **material.facts}
+    told = {"hardness": None, **material.facts}  # none is a fact, too
+    facts = {"model": "bem", "input": hm.digest, "boundary": boundary, **told}
     require_facts(reference_curve, facts)
     asked = reference_curve.extra.get(f"asked_{kind}", np.empty(0))
     if asked.shape != values.shape or not np.allclose(asked, values, rtol=1e-9, atol=0.0):

@@ -184,9 +184,10 @@ def test_a_reference_of_another_run_is_refused():
     hm = self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6, seed=3)
     other = hm.replace(heights=2.0 * hm.heights)
     body, loads = asperity.HalfSpace(210e9, 0.3), [1e8, 1e9]
-    soft = asperity.HalfSpace(70e9, 0.3)
+    soft, yielding = asperity.HalfSpace(70e9, 0.3), asperity.HalfSpace(210e9, 0.3, hardness=2e9)
     for wrong, told in (
         (lambda: asperity.bem_curve(hm, soft, pressures=loads), "a curve of modulus"),
+        (lambda: asperity.bem_curve(hm, yielding, pressures=loads), "one of hardness None"),
         (lambda: asperity.bem_curve(other, body, pressures=loads), "a curve of input"),
         (lambda: asperity.bem_curve(hm, body, pressures=loads, boundary="free"), "of boundary"),
         (lambda: asperity.bem_curve(hm, body, pressures=[1e7, 1e8]), "other load points"),
