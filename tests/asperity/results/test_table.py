@@ -178,7 +178,7 @@ def test_a_refused_point_is_solved_again_by_a_run_that_goes_on(hm, curve, tmp_pa
     loads = curve.asked["asked_pressure"]
     solved = []
 
-    def solve(values, keep):
+    def solve(values, keep, _):
         solved.append(values.tolist())
         return asperity.contact_curve(hm, STEEL, pressures=values, checkpoint=keep)
 
