@@ -53,19 +53,23 @@ def coarse_grids(shape: tuple[int, int]) -> list[tuple[int, int]]:
 
 
 def load_at_separation(curve: ContactCurve, separation: Array) -> Array:
-    """Mean pressure [Pa] of a curve at given separations [m], log-linear beyond its ends."""
+    """Mean pressure [Pa] of a curve at given separations [m], log-linear beyond its ends; of one
+    point by its stiffness."""
     from scipy.interpolate import PchipInterpolator
 
     usable = curve.converged & (curve.mean_pressure > 0)
     order = np.flatnonzero(usable)[np.argsort(curve.separation[usable])]
     order = order[np.diff(curve.separation[order], prepend=-np.inf) > 0]
-    if len(order) < 2:
+    if not order.size:
         return np.full(np.shape(separation), np.nan)
     knots, log_p = curve.separation[order], np.log(curve.mean_pressure[order])
-    spline = PchipInterpolator(knots, log_p)
     inside = np.clip(separation, knots[0], knots[-1])
-    slope = spline.derivative()(inside)
-    return np.asarray(np.exp(spline(inside) + slope * (separation - inside)))
+    if len(order) > 1:
+        spline = PchipInterpolator(knots, log_p)
+        start, slope = spline(inside), spline.derivative()(inside)
+    else:
+        start, slope = log_p, -curve.stiffness[order] / curve.mean_pressure[order]
+    return np.asarray(np.exp(start + slope * (separation - inside)))
 
 
 def error_table(

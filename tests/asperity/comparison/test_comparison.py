@@ -170,6 +170,13 @@ def test_reading_off_beyond_the_ends_is_log_linear(comparison):
     assert beyond[0] ** 2 == pytest.approx(beyond[1] * end, rel=1e-9)
 
 
+def test_one_load_point_is_read_off_by_its_stiffness(comparison):
+    """Loose runs at one load had no error in load: the reference itself was the rival."""
+    one = comparison.reference.select([0])
+    near = one.separation[0] - 1e-3 * one.mean_pressure[0] / one.stiffness[0]
+    assert load_at_separation(one, near) == pytest.approx(one.mean_pressure * np.exp(1e-3))
+
+
 @pytest.mark.parametrize(
     ("given", "told"), [({"plan": "auto"}, "make one with"), ({"reference": 3}, "reference is 3")]
 )
