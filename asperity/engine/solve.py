@@ -112,7 +112,7 @@ def solve(
     Raises
     ------
     SurfaceError
-        If the map has missing points or is constant.
+        If the map has missing points, or is constant and the model is to answer.
     InputError, ModelRangeError
         If an argument is not usable; if the model has no answer, and is not to be verified.
 

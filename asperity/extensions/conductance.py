@@ -36,7 +36,8 @@ def constriction_conductance(
     Raises
     ------
     InputError
-        If the curve was made for a graded half-space, or a number is not positive.
+        If the curve was made for a graded half-space, the modulus is not positive, or of the
+        resistivities one is negative or both are zero.
 
     Notes
     -----

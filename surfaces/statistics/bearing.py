@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.arrays import Array, Index
+from surfaces.errors import InputError, as_number
 from surfaces.heightmap import HeightMap, require_map
 
 from .heights import over_present, some_roughness
@@ -64,10 +65,18 @@ class BearingCurve:
 
     def ratio_at(self, height: float) -> float:
         """Fraction of the surface above a height over the mean [m]."""
-        return float(np.interp(-height, -self.height, self.ratio))
+        return float(np.interp(-as_number("height", height), -self.height, self.ratio))
 
     def height_at(self, ratio: float) -> float:
-        """Height over the mean [m] that a fraction of the surface exceeds."""
+        """Height over the mean [m] that a fraction of the surface exceeds.
+
+        Raises
+        ------
+        InputError
+            If the fraction is not between 0 and 1.
+        """
+        if not 0.0 <= as_number("ratio", ratio) <= 1.0:
+            raise InputError(f"ratio is {ratio}; it must be a fraction from 0 to 1")
         return float(np.interp(ratio, self.ratio, self.height))
 
     def core(self) -> dict[str, float]:

@@ -32,3 +32,15 @@ def test_all_basins_together_are_the_bearing_curve(seed):
         depth = np.maximum(fit.height - level, 0.0)[fit.valid, None]
         area = fit.rows(np.flatnonzero(fit.valid)).bearing_areas(depth).sum()
         assert area == pytest.approx(share, rel=0.06)
+
+
+@pytest.mark.parametrize("ratio", [10.0, -0.1, np.nan, "10 %", [0.1, 0.2]])
+def test_material_ratios_are_fractions(ratio):
+    """Ten per cent given as 10 is refused, not read as the deepest dale."""
+    hm = surfaces.self_affine((32, 48), (32.0, 48.0), hurst=0.8, rms_slope=0.1, cutoff=8.0)
+    curve = surfaces.bearing_curve(hm)
+    for asked in (curve.height_at, curve.material_volume, curve.void_volume):
+        with pytest.raises(surfaces.InputError, match="ratio is"):
+            asked(ratio)
+    with pytest.raises(surfaces.InputError, match="height is"):
+        curve.ratio_at("0")

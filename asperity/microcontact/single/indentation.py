@@ -130,6 +130,8 @@ class Indentation:
     def pressure(self, x: ArrayLike, y: ArrayLike, *, history: bool = False) -> Array:
         """Pressure [Pa] at the points (x, y) [m], shape `(*approach.shape, *points.shape)`.
 
+        The law "ritz" has none: it gives NaN.
+
         Parameters
         ----------
         x, y
