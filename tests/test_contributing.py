@@ -17,7 +17,8 @@ from asperity.model import law_factory
 from asperity.parameters import DEFAULTS, Corrections
 from surfaces import FileFormatError, HeightMap, PowerLawProfile, self_affine
 
-PAGE = (Path(__file__).resolve().parents[1] / "CONTRIBUTING.md").read_text()
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = (ROOT / "CONTRIBUTING.md").read_text()
 BODY = asperity.HalfSpace.from_modulus(1.0)
 
 
@@ -89,13 +90,19 @@ def test_a_format_of_the_page_is_read_and_its_faults_are_told(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "file",
+    ("name", "file"),
     [
-        "asperity/microcontact/laws.py",
-        "asperity/parameters/__init__.py",
-        "asperity/model/law_factory.py",
-        "surfaces/files/formats.py",
+        ("TABULATORS", "asperity/microcontact/laws.py"),
+        ("SOLVERS", "asperity/microcontact/single/indent.py"),
+        ("Corrections", "asperity/parameters/corrections.py"),
+        ("Parameters", "asperity/parameters/__init__.py"),
+        ("CORRECTIONS", "asperity/model/law_factory.py"),
+        ("_reader", "surfaces/files/formats.py"),
+        ("MAKERS", "tests/surfaces/test_exchange_formats.py"),
     ],
 )
-def test_the_page_names_the_files_to_change(file):
-    assert f"`{file}`" in PAGE
+def test_the_page_names_the_files_to_change_and_what_stands_there(name, file):
+    places = re.findall(rf"`{name}`\s+of\s+`([\w/.]+)`|`{name}`\s+in\s+`([\w/.]+)`", PAGE)
+    assert places and all(file.endswith(one or other) for one, other in places)
+    text = (ROOT / file).read_text()
+    assert re.search(rf"^(?:class |def )?{name}\b[:( =]", text, re.MULTILINE)
