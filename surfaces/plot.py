@@ -116,7 +116,7 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     Raises
     ------
     InputError
-        If there is no such peak.
+        If there is no such peak, or more than nine are chosen.
 
     Examples
     --------
@@ -129,7 +129,9 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     """
     require_kind(profiles, Profiles, "surfaces.fit_profiles(hm, peaks)")
     require_kind(chosen, Iterable, "the numbers of some peaks")
-    indices = [as_count("a chosen peak", index, 0) for index in chosen][:9]
+    indices = [as_count("a chosen peak", index, 0) for index in chosen]
+    if len(indices) > 9:
+        raise InputError(f"{len(indices)} peaks are chosen; give up to nine")
     if max(indices, default=-1) >= len(profiles):
         raise InputError(f"there is no peak {max(indices)} among the {len(profiles)}, from 0 on")
     columns = min(3, len(indices)) or 1

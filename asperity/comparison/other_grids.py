@@ -69,7 +69,8 @@ def load_at_separation(curve: ContactCurve, separation: Array) -> Array:
         start, slope = spline(inside), spline.derivative()(inside)
     else:
         start, slope = log_p, -curve.stiffness[order] / curve.mean_pressure[order]
-    return np.asarray(np.exp(start + slope * (separation - inside)))
+    with np.errstate(invalid="ignore"):  # full contact is infinitely stiff
+        return np.asarray(np.exp(start + slope * (separation - inside)))
 
 
 def error_table(

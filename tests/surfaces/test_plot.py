@@ -98,6 +98,8 @@ def test_fans_of_chosen_peaks() -> None:
     for peak in (len(profiles), -1, 0.5):
         with pytest.raises(InputError, match="peak"):
             surfaces.plot_profiles(profiles, [0, peak])
+    with pytest.raises(InputError, match="10 peaks are chosen"):
+        surfaces.plot_profiles(profiles, [0] * 10)
 
 
 @pytest.mark.parametrize("shape", [(64, 64), (64, 96), (96, 64), (256, 256)])
