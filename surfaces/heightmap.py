@@ -346,5 +346,5 @@ def require_full(hm: HeightMap, what: str) -> None:
         column = int(np.argmax(np.isnan(hm.source[row])))
         raise SurfaceError(
             f"heights[{row}, {column}] is missing ({hm.missing} of {hm.source.size} points); "
-            f"{what} needs a full map: use surfaces.fill_missing or prepare (--fill harmonic)"
+            f"{what} needs a full map: surfaces.fill_missing, surface prepare --fill harmonic"
         )

@@ -126,7 +126,7 @@ def test_a_hardness_alone_is_one():
 def test_a_map_with_gaps_says_what_fills_it():
     heights = HM.heights.copy()
     heights[3, 4] = np.nan
-    with pytest.raises(asperity.InputError, match=r"use surfaces\.fill_missing or prepare"):
+    with pytest.raises(asperity.InputError, match=r"surfaces.fill_missing, surface prepare"):
         surfaces.power_spectrum(HM.replace(heights=heights))
 
 
