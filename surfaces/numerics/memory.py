@@ -82,7 +82,8 @@ def set_memory(limit: int | None) -> None:
     """
     global _limit
     if limit is not None and not _PROGRAM <= as_number("the memory limit", limit) < math.inf:
-        raise InputError(f"the memory limit is {limit:.0f} bytes; give at least {_PROGRAM >> 20} MiB")
+        least = f"give at least {_PROGRAM >> 20} MiB"
+        raise InputError(f"the memory limit is {limit:.0f} bytes; {least}")
     _limit = None if limit is None else int(limit)
     # the GNU C library keeps arrays below 32 MiB when they are freed, and takes a tenth more memory
     # for a map of 8192^2 points; now it gives large ones back to the system at once
