@@ -140,8 +140,8 @@ def _crossing(rising: Array, level: Array) -> Array:
     above = np.clip(np.sum(rising < level[..., None], axis=2), 1, last)[..., None]
     high = np.take_along_axis(rising, above, axis=2)[..., 0]
     low = np.take_along_axis(rising, above - 1, axis=2)[..., 0]
-    step = np.where(high > low, high - low, 1.0)
-    between = np.clip((level - low) / step, 0.0, 1.0)
+    beyond = np.array(level > low, dtype=float)
+    between = np.divide(level - low, high - low, out=beyond, where=high > low).clip(0.0, 1.0)
     return np.asarray((above[..., 0] - 1 + between) / last)
 
 

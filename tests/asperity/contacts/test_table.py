@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from strategies import sampled
 
 import surfaces
 from asperity import HalfSpace, indent, size_distribution
@@ -37,6 +38,24 @@ def test_outlines_follow_the_shape_at_their_depth(m, error):
         )
         assert np.sqrt(np.mean((radii[0] / one.contour(turn) - 1) ** 2)) < error
         assert filled[0] == 0.0
+
+
+@pytest.mark.parametrize("length", [1.0, 2.0**20, 2.0**-20])
+def test_outlines_do_not_depend_on_the_unit_of_length(length):
+    """The law of a ray ends level on a plateau: it fills its basin where it stays below."""
+
+    def body(r, phi):
+        return np.where(np.cos(phi) > 0.1, np.minimum(r, 0.3), r) ** 2
+
+    summit = sampled([body], [1.0])
+    summit.q, summit.edge = summit.q / length, summit.edge * length
+    summit.curvature, summit.angle = np.full((1, 2), 2.0 / length), np.zeros(1)
+    area = np.array([1.6 * length**2])
+    radii, filled = outlines(summit, np.array([0.3 * length]), area, np.ones(1), 0.0)
+    assert filled[0] == pytest.approx(7 / 16)
+    beyond = np.cos(2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS) > 0.1
+    np.testing.assert_allclose(radii[0, beyond], length, rtol=1e-12)
+    assert radii[0, ~beyond].max() < 0.5 * length
 
 
 def test_every_contact_is_in_one_bin_and_all_the_area_is_shared():
