@@ -117,8 +117,8 @@ class StoredArray:
 
     def write(self, first: int, rows: NDArray[Any]) -> None:
         """Put whole rows in, from row `first` on."""
-        data = np.ascontiguousarray(rows, self._kept)
-        view, at = data.data.cast("B"), first * self.shape[1] * self._kept.itemsize
+        data = np.ascontiguousarray(rows, self._kept).ravel().view(np.uint8)  # there may be none
+        view, at = data.data, first * self.shape[1] * self._kept.itemsize
         while len(view):
             done = os.pwrite(self._file.fileno(), view, at)
             view, at = view[done:], at + done
