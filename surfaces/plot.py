@@ -199,9 +199,9 @@ def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     True
     """
     require_kind(correlation, Autocorrelation, "surfaces.autocorrelation(hm)")
-    stride = thinning(correlation.value.shape)
-    # the peak in the middle is drawn
-    rows, columns = (slice(n // 2 % stride, None, stride) for n in correlation.value.shape)
+    # of each axis alone, or few lines are left of a slim map; the peak in the middle is drawn
+    steps = [(n, thinning((n,))) for n in correlation.value.shape]
+    rows, columns = (slice(n // 2 % step, None, step) for n, step in steps)
     lag_y, lag_x = correlation.lag_y[rows], correlation.lag_x[columns]
     value, (length_y, length_x) = correlation.value[rows, columns], correlation.size
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")

@@ -140,6 +140,14 @@ def test_a_correlation_without_its_peak_has_no_prefix() -> None:
     assert image.colorbar.ax.get_ylabel() == "correlation; line at 0.2"
 
 
+@pytest.mark.parametrize("shape", [(3, 1300), (1300, 3)])
+def test_autocorrelation_of_a_slim_map(shape: tuple[int, int]) -> None:
+    """Of every second of its three lines one was left, and no contour is drawn of one."""
+    hm = surfaces.HeightMap(np.random.default_rng(1).normal(size=shape), 1e-6)
+    image = surfaces.plot_autocorrelation(surfaces.autocorrelation(hm)).axes[0].images[0]
+    assert sorted(image.get_array().shape) == [3, 651]
+
+
 def test_bearing_curve() -> None:
     figure = surfaces.plot_bearing(surfaces.bearing_curve(rough()))
     assert "<svg" in drawn(figure)
