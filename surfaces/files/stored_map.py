@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surfaces.arrays import Array
-from surfaces.errors import checked_history, checked_range, checked_spacing
+from surfaces.errors import as_text, as_truth, checked_history, checked_range, checked_spacing
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import Source, StoredArray, windows
@@ -39,8 +39,8 @@ class StoredMap(HeightMap):
         given = {
             "_source": source,
             "spacing": checked_spacing(spacing),
-            "periodic": periodic,
-            "name": name,
+            "periodic": as_truth("periodic", periodic),
+            "name": as_text(name),
             "history": checked_history(history),
         }
         for key, value in given.items():
@@ -98,7 +98,7 @@ class StoredMap(HeightMap):
         if step is not None:
             changes["history"] = (*changes.get("history", self.history), step)
         names = "spacing", "periodic", "name", "history"
-        facts = {name: changes.get(name, getattr(self, name)) for name in names}
-        heights = changes.get("heights", vars(self)["_source"])
+        facts: dict[str, Any] = {name: getattr(self, name) for name in names} | changes
+        heights = facts.pop("heights", vars(self)["_source"])
         kind = StoredMap if isinstance(heights, StoredArray) else HeightMap
         return kind(heights, **facts)

@@ -185,6 +185,16 @@ def test_a_file_that_does_not_fit_stays_on_disk(tmp_path: Path) -> None:
     np.testing.assert_array_equal(kept.heights, whole.heights)
 
 
+def test_facts_are_checked_as_those_of_a_map_in_memory() -> None:
+    """A map that was said to be no period stayed one, and a misspelt fact was left as it was."""
+    for hm in (waves(0), stored(waves(0))):
+        with pytest.raises(surfaces.SurfaceError, match="periodic is 'no'"):
+            hm.replace(periodic="no")
+        with pytest.raises(TypeError, match="perodic"):
+            hm.replace(perodic=False)
+        assert hm.replace(name="a\0b").name == "a?b"
+
+
 def test_arrays_that_moved_to_files_are_the_same() -> None:
     """Of a dataclass, and only once; what is no array stays."""
     peaks = surfaces.segment(waves(1))
