@@ -170,9 +170,11 @@ def texture(correlation: Autocorrelation) -> Texture:
     angles = np.arange(_ANGLES) * np.pi / _ANGLES
     with np.errstate(divide="ignore"):  # each direction reaches to the border of half the map
         reach = np.minimum(lag_y[-1] / np.sin(angles), lag_x[-1] / np.abs(np.cos(angles)))
-    steps = np.linspace(0.0, 1.0, 1 + round(2.0 * float(reach.max()) / min(dy, dx)))
-    rows = (np.outer(np.sin(angles) * reach, steps) - lag_y[0]) / dy
-    columns = (np.outer(np.cos(angles) * reach, steps) - lag_x[0]) / dx
+    end_y, end_x = np.sin(angles) * reach, np.cos(angles) * reach
+    pixels = float(np.hypot(end_y / dy, end_x / dx).max())
+    steps = np.linspace(0.0, 1.0, 1 + round(2.0 * pixels))
+    rows = (np.outer(end_y, steps) - lag_y[0]) / dy
+    columns = (np.outer(end_x, steps) - lag_x[0]) / dx
     along = _read_at(value, rows.ravel(), columns.ravel()).reshape(rows.shape)
     for ray in along:  # across shifts without pairs; the correlation without shift is known
         known = np.isfinite(ray)
