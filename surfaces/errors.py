@@ -195,15 +195,15 @@ def checked_heights(heights: Any) -> Array:
     A writable array is copied.
     """
     try:
-        if np.iscomplexobj(heights):
-            raise TypeError("they are complex")
-        given = np.ma.asarray(heights) if isinstance(heights, list | tuple) else heights
+        rows = isinstance(heights, list | tuple)  # of which some may be masked
+        given = np.ma.asarray(heights) if rows else np.asanyarray(heights)
+        if given.dtype.kind not in "fiuO":
+            raise TypeError(f"they are of type {given.dtype}")
         if isinstance(given, np.ma.MaskedArray):
             given = np.ma.filled(given.astype(np.float64), np.nan)
         array = np.asarray(given, dtype=np.float64, order="C")
         # what is no array of numpy may hand out the one that it keeps
-        made = array is not given and isinstance(given, np.ndarray)
-        if (array.flags.writeable and not made) or not array.flags.owndata:
+        if (array.flags.writeable and array is given) or not array.flags.owndata:
             array = array.copy()
     except (TypeError, ValueError, OverflowError) as error:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error

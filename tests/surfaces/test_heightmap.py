@@ -32,6 +32,10 @@ def test_a_masked_point_is_missing():
     ("heights", "match"),
     [
         (GRID + 1j, "complex"),
+        (GRID > 0.0, "of type bool"),
+        (GRID.astype("M8[s]"), "of type datetime64"),
+        (GRID.astype(str), "of type <U32"),
+        ([[True, False, True]] * 3, "of type bool"),
         ("heights", "real numbers"),
         (GRID[0], "two axes of at least 3 points.*profile line.*numpy.tile"),
         (GRID[:2], "two axes of at least 3 points"),
