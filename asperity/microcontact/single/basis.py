@@ -8,6 +8,7 @@ Derivatives are taken with ``a d/da``, under which a power r^j is multiplied by 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -143,16 +144,18 @@ class TableBasis:
         out = np.zeros((a.size, n.size), dtype=cubics.dtype)
         for j in range(4):
             weights = table[..., n - lowest + j] * powers[:, j, None, None]
-            out += np.einsum("ksn,sn->kn", weights, cubics[:, j])
+            out += np.einsum("ksn,sn->kn", weights, cubics[: table.shape[1], j])
         return out
 
     def _moments(self, a: Array, lowest: int, highest: int) -> Array:
-        """Moments of the segments at radii a; the last are kept, for D and its derivatives."""
-        key = (a.tobytes(), lowest, highest)
-        if self._last is None or self._last[0] != key:
-            edges = np.minimum(np.append(self.nodes, np.inf), a[:, None]) / a[:, None]
-            self._last = key, moments(self.m, edges, np.arange(lowest + 1, highest + 5))
-        return self._last[1]
+        """Moments of the segments that begin within radii a; the last are kept, for D and its
+        derivatives."""
+        key, last = (a.tobytes(), lowest, highest), self._last
+        if last is None or last[0] != key:
+            within = self.nodes[~(self.nodes >= np.max(a, initial=0.0))]
+            edges = np.minimum(np.append(within, np.inf), a[:, None]) / a[:, None]
+            last = self._last = key, moments(self.m, edges, np.arange(lowest + 1, highest + 5))
+        return last[1]
 
     def _jumps(self, a: Array) -> Array:
         """Share in ``(a d/da)^2 D`` of the jumps of f'', the second derivative of the mean profile,
@@ -170,8 +173,9 @@ Basis = PowerBasis | TableBasis
 """What the laws need to know of a profile."""
 
 
+@lru_cache(maxsize=8)
 def basis_of(profile: PowerSumProfile | PolarProfile, m: float) -> Basis:
-    """Basis of either kind of profile."""
+    """Basis of either kind of profile; those of the last profiles are kept."""
     if isinstance(profile, PolarProfile):
         return TableBasis(profile, m)
     return PowerBasis(profile, m)
@@ -182,11 +186,9 @@ def radius_at(basis: Basis, approach: Array) -> Array:
 
     NaN beyond the first zero of D'(a), and beyond four times the last radius of a table.
     """
-    scan = _scan(basis)
-    end = _end(basis, scan)
+    grid, reached = _rise(basis)
+    end = grid[-1]
     a = np.where(approach > 0, np.nan, 0.0)
-    grid = np.append(scan[scan < end], end)
-    reached = basis.depth(grid) if np.isfinite(end) else np.array([np.inf])
     found = (approach > 0) & (approach <= reached[-1] * (1 + 1e-14))
     d = approach[found]
     if isinstance(basis, PowerBasis):
@@ -208,7 +210,17 @@ def radius_at(basis: Basis, approach: Array) -> Array:
 def turning_radius(basis: Basis) -> float:
     """Radius [m] at which D' first vanishes, or to which a table is followed; infinite for a
     power-law body that only rises."""
-    return _end(basis, _scan(basis))
+    return float(_rise(basis)[0][-1])
+
+
+@lru_cache(maxsize=8)
+def _rise(basis: Basis) -> tuple[Array, Array]:
+    """Radii [m] up to the turning radius, and the approaches D(a) [m] there; if that is infinite,
+    so is the last of both."""
+    scan = _scan(basis)
+    end = _end(basis, scan)
+    grid = np.append(scan[scan < end], end)
+    return grid, basis.depth(grid) if np.isfinite(end) else np.array([np.inf])
 
 
 def _scan(basis: Basis) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,8 +97,25 @@ class CappedLaw:
         slope = np.divide(changes["force"], moved, out=np.zeros(depth.shape), where=moved > 0)
         yielded = values["yielding"] > 1
         force, hardness = np.where(yielded, values["force"], np.nan), self._material.hardness
-        told = elastic.contour_function, force, hardness
-        history = elastic.history_function
+
+        def cut(name: str) -> Field:
+            """A pressure of the elastic contacts, raised and cut at the hardness where they yield;
+            each alone tells its factor."""
+            pressure: Field = getattr(elastic, name)
+
+            @lru_cache(maxsize=depth.size)
+            def factor(row: int) -> float:
+                one = self._solve(depth[row : row + 1])
+                return _factor(getattr(one, name), one.contour_function, force[row], hardness)
+
+            def bounded(r: Array, phi: Array) -> Array:
+                rows = pressure(r, phi)
+                for row in np.flatnonzero(np.isfinite(force)):
+                    rows[row] *= factor(int(row))
+                return np.clip(rows, 0.0, hardness)
+
+            return bounded
+
         return replace(
             elastic,
             material=self._material,
@@ -107,8 +125,8 @@ class CappedLaw:
             flags=self._flags(elastic, values["approach"]),
             error_estimate=elastic.error_estimate + _EXPECTED * values["saturated"],
             saturated=values["saturated"],
-            pressure_function=_cut(elastic.pressure_function, *told),
-            history_function=None if history is None else _cut(history, *told),
+            pressure_function=cut("pressure_function"),
+            history_function=elastic.history_function and cut("history_function"),
         )
 
     def _flags(self, elastic: Indentation, approach: Array) -> NDArray[np.uint8]:
@@ -133,30 +151,20 @@ def _level_lines(profile: PowerSumProfile | PolarProfile, radius: float) -> Cubi
     return CubicSpline(np.log(np.pi * np.mean(lines**2, axis=0)), z)
 
 
-def _cut(
-    pressure: Field, contour: Callable[[Array], Array], forces: Array, hardness: float
-) -> Field:
-    """Pressure (r, phi) of elastic contacts, raised and cut at the hardness [Pa] so that each
-    carries its force [N] within its contour (phi); as it is where the force is NaN."""
+def _factor(
+    pressure: Field, contour: Callable[[Array], Array], force: float, hardness: float
+) -> float:
+    """Factor of the pressure (r, phi) of one elastic contact at which, cut at the hardness [Pa],
+    it carries the force [N] within the contour (phi)."""
     phi = np.repeat(2 * np.pi * np.arange(_RAYS) / _RAYS, _RADII)
     inside = np.tile((np.arange(_RADII) + 0.5) / _RADII, _RAYS)
-
-    def factor(row: int) -> float:
-        edge = contour(phi)[row]
-        share = np.maximum(pressure(edge * np.sqrt(inside), phi)[row], 0.0) / hardness
-        weight = np.pi * edge**2 / edge.size
-        goal = forces[row] / hardness
-        low, high = 0.0, np.log(_STEEPEST)
-        for _ in range(60):
-            middle = (low + high) / 2
-            carried = weight @ np.minimum(share * np.exp(middle), 1.0)
-            low, high = (middle, high) if carried < goal else (low, middle)
-        return float(np.exp(high))
-
-    def cut(r: Array, angle: Array) -> Array:
-        values = pressure(r, angle)
-        for row in np.flatnonzero(np.isfinite(forces)):
-            values[row] *= factor(int(row))
-        return np.clip(values, 0.0, hardness)
-
-    return cut
+    edge = contour(phi)[0]
+    share = np.maximum(pressure(edge * np.sqrt(inside), phi)[0], 0.0) / hardness
+    weight = np.pi * edge**2 / edge.size
+    goal = force / hardness
+    low, high = 0.0, np.log(_STEEPEST)
+    for _ in range(60):
+        middle = (low + high) / 2
+        carried = weight @ np.minimum(share * np.exp(middle), 1.0)
+        low, high = (middle, high) if carried < goal else (low, middle)
+    return float(np.exp(high))

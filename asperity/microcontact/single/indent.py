@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -170,10 +170,11 @@ def _yielding(
         one = capped.contact(_depth(_values(capped, "approach"), goal, goal, refusal))
         force = one.force + one.stiffness * (goal - one.approach)
         one = replace(one, approach=goal, force=force)
+    yields = lru_cache(partial(_limit, capped, "yielding", 1.0, first))
     return replace(
         one,
-        first_yield_function=partial(_limit, capped, "yielding", 1.0, first),
-        fully_plastic_function=partial(_full, capped, first),
+        first_yield_function=yields,
+        fully_plastic_function=partial(_full, capped, first, yields),
     )
 
 
@@ -254,10 +255,12 @@ def _limit(capped: CappedLaw, name: str, goal: float, start: Array) -> tuple[flo
     return float(found["approach"][0]), float(found["force"][0])
 
 
-def _full(capped: CappedLaw, first: Array) -> tuple[float, float]:
+def _full(
+    capped: CappedLaw, first: Array, yields: Callable[[], tuple[float, float]]
+) -> tuple[float, float]:
     """Approach and force of full plasticity; what grows towards it does so below first yield."""
-    yields, _ = _limit(capped, "yielding", 1.0, first)
-    start = np.array([yields]) if 0.0 < yields < np.inf else first
+    begun, _ = yields()
+    start = np.array([begun]) if 0.0 < begun < np.inf else first
     return _limit(capped, "filling", _FULL, start)
 
 

@@ -9,6 +9,7 @@ import asperity
 from asperity import HalfSpace
 from asperity.errors import ModelRangeError
 from asperity.microcontact.laws import LAWS
+from asperity.microcontact.single import circle
 from surfaces import PolarProfile, PolynomialProfile, PowerLawProfile, PowerSumProfile
 from surfaces.shapes import polygon, rounded_polygon
 
@@ -179,3 +180,21 @@ def test_a_load_gives_the_contact_of_its_approach_in_every_unit(size):
     pressed = asperity.indent(body, hard, 0.01 * size)
     loaded = asperity.indent(body, hard, load=pressed.force)
     assert loaded.approach == pytest.approx(0.01 * size, rel=1e-6)
+
+
+def test_each_contact_alone_tells_its_factor_once(monkeypatch):
+    """The pressure of n contacts is taken n times for their factors, and n times at the point."""
+    taken: list[float] = []
+
+    def even(basis, material, contour, ratios, a, r, phi):
+        taken.append(a)
+        return np.ones(r.shape)
+
+    monkeypatch.setattr(circle, "history", even)
+    turn, r = np.pi / 4 * np.arange(8), np.linspace(0.0, 1.0, 9)
+    table = PolarProfile(r, turn, np.outer(r**2, 1 + 0.09 * np.cos(2 * turn)))
+    soft = HalfSpace.from_modulus(1.0, hardness=0.05)
+    one = asperity.indent(table, soft, [0.02, 0.05, 0.1])
+    for count in (6, 9):
+        one.pressure(0.01, 0.0)
+        assert len(taken) == count
