@@ -48,9 +48,11 @@ class ContactWarning(UserWarning):
 class Flag(IntFlag):
     """Validity bits of a contact; 0 means that nothing was found wrong.
 
-    `CONTOUR_DOUBTFUL`: min a(phi)/a < 0.5 or max |a(phi) - a|/a > 0.5, or the law "harmonic" or
-    "paper" expects half the force as an error. `CONTOUR_NEGATIVE`: some a(phi) <= 0. `TURNING`: the
-    approach is no rising function of the radius here (D' <= 0), there is no solution.
+    `CONTOUR_DOUBTFUL`: min a(phi)/a < 0.5 or max |a(phi) - a|/a > 0.5; or the law "harmonic" or
+    "paper" expects half the force as an error, or the mean profile of a table pierces the free
+    surface beside the contact (error not known); or area or stiffness of "harmonic" left half to
+    twice those of the circle and were kept there. `CONTOUR_NEGATIVE`: some a(phi) <= 0.
+    `TURNING`: the approach is no rising function of the radius here (D' <= 0), no solution.
     `NEGATIVE_GAP`: f < 0 inside the contact (a higher neighbor). `RAY_TURNS`: f falls along a ray
     inside the contact. `SECOND_SUMMIT`: another summit stands inside {f < d}. `BEYOND_RADIUS`: of
     one profile, the contact leaves the sampled radius on some ray, or lies within the first; in a

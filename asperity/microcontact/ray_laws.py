@@ -23,7 +23,7 @@ from .law_table import INTERVALS, LawTable
 if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
 
-__all__ = ["expected_error", "ritz_forces", "tabulate_expansion", "tabulate_ritz"]
+__all__ = ["bounded", "expected_error", "ritz_forces", "tabulate_expansion", "tabulate_ritz"]
 
 
 _HARMONICS = 5
@@ -36,7 +36,8 @@ _SMALLEST_RADIUS, _GRADING = 0.02, 1.3
 """Smallest radius over the largest, and exponent of the spacing of the radii."""
 
 _LIMIT = 0.5
-"""Largest second-order part over the first-order force; least area over the circle's."""
+"""Largest second-order part over the first-order force; least area, and least stiffness of one
+contact, over those of the circle."""
 
 _FIRST, _QUADRATIC, _CUBIC, _OPERATORS = 1.4, 11.0, 1.0, 1.0
 """Factors of x, x^2, x^(3/2) and of the difference between both second orders."""
@@ -195,10 +196,14 @@ def _area(
         change = _derivative(second / a ** (3 + m), a, 3 + m)
         shift = change / (2 * material.modulus * a**m * slope) - found[..., 5] / (2 * a * slope**2)
         area = np.pi * (a * a + 2 * a * shift + found[..., 4] / slope**2)
-    circle = np.pi * a * a
-    bounded = np.clip(area, (1 - _LIMIT) * circle, circle / (1 - _LIMIT))
-    rising = np.maximum.accumulate(bounded, axis=1)
+    rising = np.maximum.accumulate(bounded(area, np.pi * a * a), axis=1)
     return rising, rising != area
+
+
+def bounded(second: Array, first: Array) -> Array:
+    """Second-order areas or stiffnesses, kept between half and twice the `first` ones, those of
+    the circle; beyond, the expansion has no meaning."""
+    return np.clip(second, (1 - _LIMIT) * first, first / (1 - _LIMIT))
 
 
 def _derivative(ratio: Array, a: Array, p: float) -> Array:

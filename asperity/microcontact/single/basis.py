@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import bisect
+from scipy.special import betainc
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.transforms import kappa, moments
-from surfaces.arrays import Array, Index
+from surfaces.arrays import Array, Index, Mask
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "around",
     "basis_of",
     "corner_rule",
+    "pierced",
     "radius_at",
     "samples",
     "synthesis",
@@ -221,6 +223,25 @@ def _rise(basis: Basis) -> tuple[Array, Array]:
     end = _end(basis, scan)
     grid = np.append(scan[scan < end], end)
     return grid, basis.depth(grid) if np.isfinite(end) else np.array([np.inf])
+
+
+def pierced(basis: Basis, a: Array, approach: Array) -> Mask:
+    """Whether the mean profile of a table pierces the free surface beside circles of radius `a`
+    [m]: a flat part farther out touches before the contact has grown to it.
+
+    Notes
+    -----
+    The gap at r > a is ``c int_a^r (D(x) - d) x^m (r^2 - x^2)^(-(1+m)/2) dx`` with a positive c.
+    """
+    scan = _scan(basis)
+    if isinstance(basis, PowerBasis) or turning_radius(basis) == scan[-1]:
+        return np.zeros(a.shape, dtype=bool)
+    r = scan[scan <= basis.nodes[-1]]
+    ends = np.minimum(np.append(0.0, r) / r[:, None], 1.0)
+    weight = np.diff(betainc((1 + basis.m) / 2, (1 - basis.m) / 2, ends**2), axis=1)
+    middle = r - np.diff(r, prepend=0.0) / 2
+    above = np.where(middle > a[:, None], basis.depth(middle) - approach[:, None], 0.0)
+    return np.asarray(np.any(above @ weight.T < 0, axis=1))
 
 
 def _scan(basis: Basis) -> Array:

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from asperity.errors import Flag
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.ray_laws import expected_error
+from asperity.microcontact.ray_laws import bounded, expected_error
 from surfaces.arrays import Array, Index
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .basis import Basis, PowerBasis, basis_of, radius_at, samples, synthesis
+from .basis import Basis, PowerBasis, basis_of, pierced, radius_at, samples, synthesis
 from .indentation import Indentation, contour_flags, profile_flags
 from .pressure import axisymmetric, history, of_harmonics
 
@@ -82,11 +82,13 @@ class Expansion:
         """First-order contour [m] for the edge amplitude `edge` [m], shape (k, phi.size)."""
         return np.asarray(self.a[:, None] - (self.a / self.slope)[:, None] * edge)
 
+    def second_order_area(self) -> Array:
+        """Area [m^2] to second order."""
+        return np.asarray(np.pi * (self.a**2 + 2 * self.a * self.mean_shift() + self.variance()))
+
     def resolved_area(self) -> Array:
-        """Area [m^2] to second order; that of the circle where it is less than a quarter of it."""
-        circle = np.pi * self.a**2
-        area = circle + np.pi * (2 * self.a * self.mean_shift() + self.variance())
-        return np.asarray(np.where(area > circle / 4, area, circle))
+        """Area [m^2] to second order, bounded as in the law tables."""
+        return bounded(self.second_order_area(), np.pi * self.a**2)
 
     def resolved_boundary(self, phi: Array) -> Array:
         """Contour [m] of the resolved law, shape (k, phi.size): it encloses `resolved_area`.
@@ -137,7 +139,8 @@ def indent(
     area = np.pi * (one.a**2 + one.variance())
     if law == "harmonic":
         force = force + one.second
-        stiffness = stiffness + one.second_slope / one.slope
+        free = stiffness + one.second_slope / one.slope
+        stiffness = bounded(free, stiffness)
         area = one.resolved_area()
 
     def filled(values: Array) -> Array:
@@ -192,7 +195,12 @@ def indent(
     flags = contour_flags(a, filled(first_order))
     flags |= profile_flags(profile, approach, phi, contour(phi))
     error = everywhere(expected_error(one.first, harmonic.second, published.second, law))
-    flags[error > _DOUBTFUL] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
+    doubtful, apart = np.uint8(Flag.CONTOUR_DOUBTFUL), pierced(basis, a, approach)
+    error[apart] = np.nan
+    if law == "harmonic":
+        cut = (area != one.second_order_area()) | (stiffness != free)
+        flags[np.flatnonzero(known)[cut]] |= doubtful
+    flags[apart | (error > _DOUBTFUL)] |= doubtful
     flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
     similar = isinstance(basis, PowerBasis) and basis.powers.size == 1
     return Indentation(

@@ -63,6 +63,8 @@ def _auto(
     # a contact longer than the law "ellipse" reaches: near m = -1 errors seem small
     doubtful = (second.flags & np.uint8(Flag.CONTOUR_DOUBTFUL)) > 0
     take |= ~np.isfinite(first.force) & doubtful
+    # a flat part farther out bears, which the law "ellipse" does not see
+    take &= ~(np.isnan(second.error_estimate) & np.isfinite(second.force))
     names = ("force", "contact_area", "radius", "stiffness", "flags", "error_estimate")
     columns = {name: np.where(take, getattr(first, name), getattr(second, name)) for name in names}
     return replace(
