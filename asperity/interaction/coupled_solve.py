@@ -105,7 +105,7 @@ def solve_at(
             tilt=values[2:4].T,
             tolerance=bound,
             load=load,
-            compliance=np.where(values[4] > 0, values[4], 1.0),
+            response=np.where(values[4] > 0, values[4], 1.0),
         )
         solution = _ordered(last, found, tolerance)
         steps, products = steps + solution.steps, products + solution.products
@@ -223,14 +223,14 @@ def _independent(last: Continuation, separation: float) -> PopulationState:
     solution = Solution(
         separation=separation,
         approach=approach,
-        wanted=approach,
+        interference=approach,
         laws=laws,
         tilt=np.zeros((count, 2)),
         residual=0.0,
         steps=0,
         products=0,
         reason="",
-        shares=np.ones(count),
+        response=np.ones(count),
         slope=float(laws.stiffness.sum()),
     )
     last = replace(last, candidates=None, field=None, solution=solution)

@@ -48,9 +48,8 @@ class Point:
     rows
         Candidates of the point, shape (m,).
     values
-        Five rows of numbers of these candidates, shape (5, m): z - s - u [m], which is the approach
-        of a closed contact and minus the gap of an open one; force [N]; gradients of the
-        displacement along y and along x [-]; approach gained per fall of the flat [-].
+        Five rows of numbers of these candidates, shape (5, m): interference [m], force [N],
+        gradients of the displacement along y and along x [-], response [-].
     """
 
     separation: float
@@ -325,7 +324,7 @@ class PopulationState:
     def response(self) -> Array:
         """Approach [m] that each contact gains as the flat falls by 1 m, shape (n,)."""
         last = self.continuation
-        gained = np.ones(len(last.system))
+        response = np.ones(len(last.system))
         if last.points and last.solution is not None:
-            gained[last.points[-1].rows] = last.solution.tangent[1]
-        return gained
+            response[last.points[-1].rows] = last.solution.tangent[1]
+        return response

@@ -208,7 +208,7 @@ def surface_point(
         return SurfacePoint(separation, 0.0, 0.0, 0.0)
     nominal, contacts = population.nominal_area, population.laws.rows(closed)
     share = 0.5 * (state.contact_area + area) / nominal
-    gained = state.response[closed]
+    response = state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
         return SurfacePoint(state.separation, area, stiffness, stiffness)
     fall = LOAD_STEP * state.mean_pressure / stiffness
@@ -216,7 +216,7 @@ def surface_point(
     def after_fall(step: float) -> tuple[float, float, float, float]:
         """After a fall of the flat by `step` [m]: sum Phi [J] and load [N] of elastic contacts of
         the same areas, load [N] of the contacts, and e/c."""
-        approach = np.maximum(state.approach[closed] + step * gained, 0.0)
+        approach = np.maximum(state.approach[closed] + step * response, 0.0)
         here = contacts(approach)
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]

@@ -43,8 +43,9 @@ class Solution:
         Separation s [m] of the point.
     approach
         Approach d [m] of each contact, zero where it is open.
-    wanted
-        z - s - u [m]: the approach where the contact is closed, minus the gap where it is open.
+    interference
+        Interference z - s - u [m] of each contact with the flat: its approach where it is closed,
+        minus the gap where it is open.
     laws
         Laws at the approach.
     tilt
@@ -57,7 +58,7 @@ class Solution:
         Numbers of Newton steps, and of products with the interaction matrix.
     reason
         Why the solve failed; empty if it converged.
-    shares
+    response
         Approach that each contact gains per fall of the flat [-], shape (n,): a guess while `slope`
         is None.
     slope
@@ -68,14 +69,14 @@ class Solution:
 
     separation: float
     approach: Array
-    wanted: Array
+    interference: Array
     laws: Evaluated
     tilt: Array
     residual: float
     steps: int
     products: int
     reason: str
-    shares: Array
+    response: Array
     slope: float | None = None
     linearized: State | None = None
 
@@ -87,18 +88,17 @@ class Solution:
     @property
     def values(self) -> Array:
         """`population_state.Point.values` of this solution, shape (5, n)."""
-        return np.stack((self.wanted, self.laws.force, *self.tilt.T, self.shares))
+        return np.stack((self.interference, self.laws.force, *self.tilt.T, self.response))
 
     @functools.cached_property
     @np.errstate(all="ignore")  # of a point that is refused
     def tangent(self) -> tuple[float, Array]:
-        """Minus the slope of the load over the separation [N/m], and the approach that each contact
-        gains per fall of the flat [-], shape (n,)."""
+        """Minus the slope of the load over the separation [N/m], and the response [-], (n,)."""
         if self.slope is not None:
-            return self.slope, self.shares
+            return self.slope, self.response
         state = self.linearized
         assert state is not None
-        return tangent_response(tangent_of(state), state, self.shares)[:2]
+        return tangent_response(tangent_of(state), state, self.response)[:2]
 
 
 def finished(state: State, found: Solution, load: float, tolerance: float) -> Solution:
@@ -114,57 +114,57 @@ def finished(state: State, found: Solution, load: float, tolerance: float) -> So
     move = Step(state, tangent)
     solved = conjugate_gradients(tangent, error, tolerance=LINEAR_TOLERANCE, held=True)
     closed, constant = move.approach(solved.solution), solved.constant
-    approach, wanted = np.zeros(len(state.approach)), state.wanted - constant
-    wanted[rows] = move.wanted_after(constant, solved.solution, error - solved.residual)
+    approach, interference = np.zeros(len(state.approach)), state.interference - constant
+    interference[rows] = move.interference_after(constant, solved.solution, error - solved.residual)
     strayed = float(move.laws(closed).force.sum() - state.laws.force.sum()) / load
     if not abs(strayed) <= LARGEST_STRAY * tolerance:
-        closed, constant, wanted = state.approach[rows], 0.0, state.wanted.copy()
+        closed, constant, interference = state.approach[rows], 0.0, state.interference.copy()
     approach[rows] = closed
     separation = found.separation + constant
-    slope, shares, products = tangent_response(tangent, state, found.shares)
+    slope, response, products = tangent_response(tangent, state, found.response)
     for _ in range(MAX_FALLS if slope > 0 else 0):
         fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
         touching = approach > 0
-        approach[touching] = np.maximum(approach + fall * shares, 0.5 * approach)[touching]
-        separation, wanted = separation - fall, wanted + fall
+        approach[touching] = np.maximum(approach + fall * response, 0.5 * approach)[touching]
+        separation, interference = separation - fall, interference + fall
     return replace(
         found,
         separation=separation,
         approach=approach,
-        wanted=wanted,
+        interference=interference,
         laws=state.problem.laws(approach),
         products=found.products + solved.products + products,
-        shares=shares,
+        response=response,
         slope=slope,
         linearized=None,
     )
 
 
-def tangent_response(tangent: Tangent, state: State, compliance: Array) -> tuple[float, Array, int]:
+def tangent_response(tangent: Tangent, state: State, guess: Array) -> tuple[float, Array, int]:
     """Response of the contacts to a fall of the flat, with the tangent matrix of a state.
 
-    Starts from the guess `compliance` of the second result. Overwrites the matrix.
+    Starts from a `guess` of the response. Overwrites the matrix.
 
     Returns
     -------
-    slope, shares, products
+    slope, response, products
         Minus the slope of the load over the separation [N/m], the approach that each contact gains
         per fall of the flat [-], shape (n,), and the number of products.
     """
-    shares, rows = np.ones(len(state.error)), tangent.index
+    response, rows = np.ones(len(state.error)), tangent.index
     if not len(rows):
-        return 0.0, shares, 0
+        return 0.0, response, 0
     # without the growth of the footprints (`State.extra`), which makes the response too soft
     tangent.stiffen(1 / state.stiffness[rows] - tangent.compliance)
     solved = conjugate_gradients(
         tangent,
         np.ones(len(rows)),
         tolerance=RESPONSE_TOLERANCE,
-        start=compliance[rows] / tangent.compliance,
+        start=guess[rows] / tangent.compliance,
     )
-    shares[rows] = solved.solution * tangent.compliance
+    response[rows] = solved.solution * tangent.compliance
     # x.(1 + residual) is stationary in the solution x: its error is of second order
-    return float(np.sum(solved.solution * (1 + solved.residual))), shares, solved.products
+    return float(np.sum(solved.solution * (1 + solved.residual))), response, solved.products
 
 
 def tangent_of(state: State) -> Tangent:
@@ -172,9 +172,9 @@ def tangent_of(state: State) -> Tangent:
     return Tangent(state.problem.coupling, state.active, state.stiffness, state.extra)
 
 
-def shared(missing: float, compliance: Array, tangent: Tangent) -> Array:
-    """Guess of the forces [N] by which the contacts share a `missing` load [N]; `compliance` is the
-    approach that each gains per fall of the flat [-], (n,)."""
-    shares = compliance[tangent.index] / tangent.compliance
-    total = float(shares.sum()) or 1.0  # zero if no contact has a stiffness
-    return missing / total * shares
+def shared(missing: float, response: Array, tangent: Tangent) -> Array:
+    """Guess of the forces [N] by which the contacts share a `missing` load [N], from the `response`
+    of each to a fall of the flat [-], shape (n,)."""
+    slope = response[tangent.index] / tangent.compliance
+    total = float(slope.sum()) or 1.0  # zero if no contact has a stiffness
+    return missing / total * slope

@@ -66,7 +66,7 @@ def descent(
     tolerance: float,
     tilt: Array | None = None,
     load: float | None = None,
-    compliance: Array | None = None,
+    response: Array | None = None,
 ) -> Generator[Index, None, Solution]:
     """Minimize the energy of the contacts over non-negative forces.
 
@@ -85,7 +85,7 @@ def descent(
         Gradients [-] that the contact shifts start from, shape (n, 2); None: zero.
     load
         Sum of the forces [N] to reach, positive; None: the separation is given.
-    compliance
+    response
         Approach that each contact gains per fall of the flat [-], shape (n,): the first guess of
         how contacts share a missing load. None: 1.
 
@@ -102,13 +102,11 @@ def descent(
     if the residual plus the effect of the last change of the shifts (`State.lag`) is small.
     """
     tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
-    if compliance is None:
-        compliance = np.ones(len(start))
+    if response is None:
+        response = np.ones(len(start))
     for bound in (tolerance, CLOSER * tolerance):
         # a call of its own, so that the arrays of its last step are freed before `finished`
-        solution = yield from _newton_steps(
-            problem, separation, start, tilt, load, compliance, bound
-        )
+        solution = yield from _newton_steps(problem, separation, start, tilt, load, response, bound)
         if load is None or solution.reason:
             return solution
         assert solution.linearized is not None
@@ -126,7 +124,7 @@ def _newton_steps(
     start: Array,
     tilt: Array,
     load: float | None,
-    compliance: Array,
+    response: Array,
     tolerance: float,
 ) -> Generator[Index, None, Solution]:
     """`descent` without the last step under a load (`finished`); arguments as there."""
@@ -134,7 +132,7 @@ def _newton_steps(
     products, reason, held = 1, "", None
     for step in range(MAX_NEWTON_STEPS + 1):
         state.balance(separation, load is not None)
-        lacking = problem.laws.lacking(state.wanted)
+        lacking = problem.laws.lacking(state.interference)
         if lacking.size:
             yield lacking
         state.linearize()
@@ -161,7 +159,7 @@ def _newton_steps(
             tangent,
             state.error[state.active],
             tolerance=_forcing(state.relative, tolerance),
-            start=None if load is None else shared(missing, compliance, tangent),
+            start=None if load is None else shared(missing, response, tangent),
             held=load is not None,
         )
         if not math.isfinite(solved.constant):
@@ -192,14 +190,14 @@ def _newton_steps(
     return Solution(
         separation=separation,
         approach=state.approach,
-        wanted=state.wanted,
+        interference=state.interference,
         laws=state.laws,
         tilt=tilt + PREDICTED_SHIFT_SHARE * (state.field.tilt - tilt),
         residual=error,
         steps=step,
         products=products,
         reason=reason,
-        shares=compliance,
+        response=response,
         linearized=state,
     )
 

@@ -59,8 +59,8 @@ class State:
         Heights [m] gained by `next_shift`, shape (n,).
     separation
         Separation s [m] of `balance`, which sets this and the attributes below.
-    gap, wanted, error
-        z - s, z - s - u, and z - s - u - d [m], shape (n,).
+    gap, interference, error
+        z - s, the interference z - s - u, and z - s - u - d [m], shape (n,).
     closing, sums
         Contacts about to close; sum of |error| k, and sum of F, over the closed contacts.
     active
@@ -123,29 +123,29 @@ class State:
         """
         law, field = self.laws, self.field
         gap = self.problem.height - separation + self.gain - field.moved - field.longer
-        wanted = gap - field.value - law.growth * field.slope
-        error = wanted - self.approach
+        interference = gap - field.value - law.growth * field.slope
+        error = interference - self.approach
         total = float(law.stiffness.sum()) if balanced else 0.0
         rise = float(np.sum(law.stiffness * error)) / total if total > 0.0 else 0.0
-        self.gap, self.wanted, self.error = gap - rise, wanted - rise, error - rise
+        self.gap, self.interference, self.error = gap - rise, interference - rise, error - rise
         self.separation = separation + rise
         self.active = self.approach > 0.0
-        self.closing = np.flatnonzero((self.wanted > 0.0) & ~self.active)
+        self.closing = np.flatnonzero((self.interference > 0.0) & ~self.active)
         wrong = float(np.sum(law.stiffness * np.abs(self.error)))
         self.sums = wrong, float(law.force.sum())
 
     def linearize(self) -> None:
         """Set the stiffness, growth, force and base of the active contacts, whose laws are made.
 
-        A contact about to close has no stiffness yet. It is linearized at half of `wanted`, and its
-        force there counts as an error.
+        A contact about to close has no stiffness yet. It is linearized at half of its interference,
+        and its force there counts as an error.
         """
         law, (error, load) = self.laws, self.sums
         stiffness, growth, force, base = law.stiffness, law.growth, law.force, self.approach
         fresh = self.closing[self.problem.laws.rows(self.closing).usable]
         if fresh.size:
             self.active[fresh] = True
-            half = 0.5 * self.wanted[fresh]
+            half = 0.5 * self.interference[fresh]
             law = self.problem.laws.rows(fresh)(half)
             stiffness, growth, force, base = (
                 values.copy() for values in (stiffness, growth, force, base)
@@ -165,8 +165,8 @@ class State:
         return np.divide(5 / 3 * pull, force, out=np.zeros(len(force)), where=force > 0)
 
     def raised(self, change: Array | float) -> None:
-        """Raise the summits by `change` [m]: changes gap, wanted and error."""
-        self.gap, self.wanted = self.gap + change, self.wanted + change
+        """Raise the summits by `change` [m]: changes gap, interference and error."""
+        self.gap, self.interference = self.gap + change, self.interference + change
         self.error = self.error + change
 
     def energy_change(self, other: State) -> tuple[float, float, float]:

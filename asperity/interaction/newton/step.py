@@ -93,24 +93,24 @@ class Step:
         self.tangent = tangent
         self.laws = state.problem.laws.rows(rows)
         self.before = state.laws.force[rows]
-        self.wanted = state.wanted[rows]
+        self.interference = state.interference[rows]
         self.own = self.stiffness = state.stiffness[rows]
         self.base, self.force = state.base[rows], state.force[rows]
         approach = state.approach[rows]
-        self.lower, self.upper = _bounds(approach, self.wanted, state.error[rows])
+        self.lower, self.upper = _bounds(approach, self.interference, state.error[rows])
 
     def approach(self, change: Array) -> Array:
         """Approaches [m] after a change [N] of the forces, by the power law d ~ F^(F/(k d)) through
         the force F and stiffness k of each contact at its base d."""
         exponent = np.minimum(self.force / (self.stiffness * self.base), 1.0)
         grown = np.maximum((self.before + change) / self.force, 0.0)
-        wanted: Array = self.base * grown**exponent
-        return np.minimum(np.maximum(wanted, self.lower), self.upper)
+        approach: Array = self.base * grown**exponent
+        return np.minimum(np.maximum(approach, self.lower), self.upper)
 
-    def wanted_after(self, constant: float, change: Array, image: Array) -> Array:
-        """z - s - u [m] after the change `constant` [m] of the separation and `change` [N] of the
-        forces, whose product with the tangent matrix of the start is `image` [m]."""
-        return self.wanted - constant - image + change / self.own
+    def interference_after(self, constant: float, change: Array, image: Array) -> Array:
+        """Interference [m] after the change `constant` [m] of the separation and `change` [N] of
+        the forces, whose product with the tangent matrix of the start is `image` [m]."""
+        return self.interference - constant - image + change / self.own
 
     def refine(
         self, change: Array, *, tolerance: float, load: float | None
@@ -130,7 +130,7 @@ class Step:
         approach = self.approach(change)
         found = self.laws(approach)
         change, closed = found.force - self.before, found.force > 0
-        error = self.wanted_after(0.0, change, self.tangent(change)) - approach
+        error = self.interference_after(0.0, change, self.tangent(change)) - approach
         after.stiffness = np.where(closed, found.stiffness, self.stiffness)
         after.base = np.where(closed, approach, self.base)
         after.force = np.where(closed, found.force, self.force)
@@ -156,19 +156,19 @@ class Step:
         return after, change + solved.solution, constant, solved.products + 1
 
 
-def _bounds(approach: Array, wanted: Array, error: Array) -> tuple[Array, Array]:
+def _bounds(approach: Array, interference: Array, error: Array) -> tuple[Array, Array]:
     """Bounds [m] on the approach after a step: a contact keeps at least a tenth of its approach
-    where `wanted` is positive, else it may open."""
-    lower = np.where(wanted > 0, 0.1 * approach, 0.0)
+    where `interference` is positive, else it may open."""
+    lower = np.where(interference > 0, 0.1 * approach, 0.0)
     return lower, approach + np.maximum(2 * approach, np.abs(error))
 
 
 def corrected_prediction(
-    problem: Problem, wanted: Array, force: Array, *, tolerance: float
+    problem: Problem, interference: Array, force: Array, *, tolerance: float
 ) -> tuple[Array, int]:
     """Predicted approaches [m], corrected by the laws, and the number of products.
 
-    `wanted` is the predicted z - s - u [m], and `force` the predicted force [N], shape (n,) each,
+    `interference` is the predicted one [m], and `force` the predicted force [N], shape (n,) each,
     extrapolated with equal weights. `tolerance` is that of the solve that follows.
 
     Notes
@@ -176,9 +176,10 @@ def corrected_prediction(
     Apart from the growth of the footprints, displacements are linear in the forces. The predicted u
     is therefore that of the predicted forces, however well the earlier points were solved; but the
     laws F(d) do not give these forces. Approaches that agree with the laws solve
-    d = wanted - G (F(d) - force), with the interaction matrix G: this is one Newton step for it.
+    d = interference - G (F(d) - force), with the interaction matrix G: this is one Newton step for
+    this equation.
     """
-    law = problem.laws(wanted)
+    law = problem.laws(interference)
     closed = law.force > 0
     tangent = Tangent(problem.coupling, closed, law.stiffness)
     rows = tangent.index
@@ -190,6 +191,6 @@ def corrected_prediction(
     enough = min(max(BEST_LINEAR_TOLERANCE, enough), 1.0)
     solved = conjugate_gradients(tangent, lack / stiffness, tolerance=enough)
     share = np.maximum((force + solved.solution) / own, 0.0)
-    approach = np.maximum(wanted, 0.0)
-    approach[rows] *= share ** np.minimum(own / (stiffness * wanted[rows]), 1.0)
+    approach = np.maximum(interference, 0.0)
+    approach[rows] *= share ** np.minimum(own / (stiffness * interference[rows]), 1.0)
     return approach, solved.products

@@ -66,9 +66,9 @@ def test_solution_obeys_the_contact_conditions(m, boundary):
     assert not solution.reason
     closed = solution.approach > 0
     assert 20 < closed.sum() < 290
-    error = np.abs(solution.approach - solution.wanted)[closed]
+    error = np.abs(solution.approach - solution.interference)[closed]
     assert error.max() < 1e-4 * solution.approach.max()
-    assert solution.wanted[~closed].max() <= 1e-4 * solution.approach.max()
+    assert solution.interference[~closed].max() <= 1e-4 * solution.approach.max()
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
