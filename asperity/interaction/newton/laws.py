@@ -138,22 +138,22 @@ class Laws:
             np.maximum(out.area, out.force / hardness, out=out.area)
         return out
 
-    def lacking(self, wanted: Array) -> Index:
+    def lacking(self, interference: Array) -> Index:
         """Contacts whose laws are to be made next: those that are about to close, with those that
         are nearest to closing; none if no contact about to close lacks its law.
 
-        `wanted` is `Solution.wanted`: positive where a contact is about to close, shape (n,).
+        The `interference` [m], shape (n,), is positive where a contact is about to close.
         """
         if self.store.complete:
             return np.empty(0, np.int64)
         missing = np.flatnonzero(~self.ready)
-        lacking = int(np.count_nonzero(wanted[missing] > 0))
+        lacking = int(np.count_nonzero(interference[missing] > 0))
         if not lacking:
             return missing[:0]
         block = lacking + max(lacking // 8, LEAST_SPARE_LAWS)
         if self.store.ahead is None:
             block = max(lacking + lacking // 8, LEAST_BATCH, int(self.store.ready.sum()) // 40)
-        return missing[np.argsort(-wanted[missing], kind="stable")[:block]]
+        return missing[np.argsort(-interference[missing], kind="stable")[:block]]
 
     def foresee(self, rows: Index | None) -> None:
         """Name the contacts `rows` that will need their laws later: these are made with the next
