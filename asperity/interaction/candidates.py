@@ -16,7 +16,7 @@ from surfaces.arrays import Array, Index
 
 if TYPE_CHECKING:
     from asperity.interaction.ewald.mesh import SmoothField
-    from asperity.interaction.newton.final_step import Solution
+    from asperity.interaction.newton.final_step import CandidateValues, Solution
     from asperity.interaction.newton.laws import Evaluated
 
     from .contact_system import ContactSystem
@@ -104,7 +104,7 @@ class CandidateList:
         cls,
         system: ContactSystem,
         rows: Index,
-        values: Array,
+        values: CandidateValues,
         *,
         field: SmoothField | None,
         separation: float,
@@ -113,18 +113,18 @@ class CandidateList:
     ) -> CandidateList:
         """The candidates at a separation [m], from a prediction of the contacts.
 
-        `values` are the predicted `Point.values` of the summits `rows`: those predicted to be
-        closed are candidates in any case. `field` is the smooth part of the last field, if any;
-        where it is negative it may be `growth` times as deep. `spare` is the number of candidates
-        over that of the summits that overlap.
+        `values` are those predicted of the summits `rows`: summits predicted to be closed are
+        candidates in any case. `field` is the smooth part of the last field, if any; where it is
+        negative it may be `growth` times as deep. `spare` is the number of candidates over that of
+        the summits that overlap.
         """
         elongation = system.elongation
-        closed = values[0] > 0
-        closed, approach = rows[closed], values[0, closed]
+        touches = values.interference > 0
+        closed, approach = rows[touches], values.interference[touches]
         near, overlap = _overlaps(system, system.by_height, field, separation, growth)
-        touches = np.zeros(len(system), bool)
-        touches[closed] = True
-        overlap = np.where(touches[near], np.inf, overlap)
+        certain = np.zeros(len(system), bool)
+        certain[closed] = True
+        overlap = np.where(certain[near], np.inf, overlap)
         count = int(spare * int(np.count_nonzero(overlap > 0.1 * _lowest(field, growth)))) + 40
         if count < len(near):
             index = near[np.argpartition(-overlap, count)[:count]]
@@ -181,9 +181,11 @@ class CandidateList:
         _, overlap = _overlaps(self.system, self.others, field, separation, growth)
         return bool(np.count_nonzero(overlap > 0) > allowed)
 
-    def recentred(self, rows: Index, values: Array, tolerance: float) -> CandidateList | None:
+    def recentred(
+        self, rows: Index, values: CandidateValues, tolerance: float
+    ) -> CandidateList | None:
         """The list with each point moved to the centre of its contact, as the laws give it at the
-        `Point.values` of the summits `rows`.
+        `values` of the summits `rows`.
 
         Returns the list itself if the points are near enough to the centres for the `tolerance`;
         None if a new list is needed: the footprints have outgrown the near pairs, or the points
@@ -194,24 +196,26 @@ class CandidateList:
         system = self.system
         if not system.has_centres:
             return self
-        touches = np.flatnonzero(values[0] > 0)
+        touches = np.flatnonzero(values.interference > 0)
         some = touches[:: 1 + len(touches) // SAMPLED_CONTACTS]
         laws = system.laws.rows(rows[some])
         laws.make()
-        law = laws(values[0, some])
+        sample = values.rows(some)
+        law = laws(sample.interference)
         coupling = self.problem.coupling
         if not coupling.holds(_widest(system, rows[some], law)):
             return None
         many = min(1.0, len(touches) / MANY_CONTACTS)
         bound = max(LARGEST_FIELD_ERROR, many * ERROR_PER_TOLERANCE * tolerance)
-        seen = bound, rows[some], law, *values[[0, 2, 3]][:, some]
+        seen = bound, rows[some], law, sample
         if not self._strayed(*seen):
             return self
-        closed, approach = rows[touches], values[0, touches]
+        closed, approach = rows[touches], values.interference[touches]
         paired, skin = self.paired[:, closed], PAIR_LIST_SKIN * coupling.eta
         reach = system.table.centre_at(closed, approach) - paired
         far = (np.abs(reach) > skin).any(axis=0)
-        if values[1, touches[far]].sum() > many * LARGEST_LEAPING_LOAD * values[1].sum():
+        leaping = values.force[touches[far]].sum()
+        if leaping > many * LARGEST_LEAPING_LOAD * values.force.sum():
             return None
         change = np.zeros_like(self.offset)
         change[:, closed] = paired + np.clip(reach, -skin, skin) - self.offset[:, closed]
@@ -224,14 +228,15 @@ class CandidateList:
         return replace(self, problem=problem, offset=self.offset + change, moved=change)
 
     def _strayed(
-        self, bound: float, closed: Index, law: Evaluated, approach: Array, *tilt: Array
+        self, bound: float, closed: Index, law: Evaluated, values: CandidateValues
     ) -> bool:
         """Whether points are too far from the centres of their contacts: by `LARGEST_DISTANCE` in
-        the mean, or so that the slope `tilt` of the field over this distance changes the load by
-        more than the share `bound`."""
-        centre = self.system.table.centre_at(closed, approach)
+        the mean, or so that the tilt of the field over this distance changes the load by more than
+        the share `bound`."""
+        centre = self.system.table.centre_at(closed, values.interference)
         x, y = np.subtract(centre, self.offset[:, closed])
-        lower = np.sum(law.stiffness * (tilt[0] * y + tilt[1] * x))
+        along_y, along_x = values.tilt.T
+        lower = np.sum(law.stiffness * (along_y * y + along_x * x))
         astray = np.hypot(x, y) - LARGEST_DISTANCE * np.sqrt(law.area / np.pi)
         return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 

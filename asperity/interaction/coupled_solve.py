@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from asperity.interaction.newton.final_step import Solution
+from asperity.interaction.newton.final_step import CandidateValues, Solution
 from asperity.interaction.newton.solver import descent
 from asperity.interaction.newton.step import corrected_prediction
 from surfaces.arrays import Array, Index
 
 from .candidates import CandidateList
-from .population_state import Continuation, PopulationState
+from .population_state import Contacts, Continuation, PopulationState
 
 if TYPE_CHECKING:
     from asperity.interaction.newton.state import Problem
@@ -71,14 +71,14 @@ def solve_at(
     if not system.interaction:
         return _independent(last, separation)
     load = None if pressure is None else pressure * system.nominal_area
-    rows, values, growth, spare, rise, listed = start_of(last, separation, pressure, tolerance)
+    rows, values, growth, spare, rise, candidates = start_of(last, separation, pressure, tolerance)
     field = last.field
     good: tuple[CandidateList, Solution] | None = None
     steps = products = 0
     blind, stands = not last.points, False
     for placed in range(MAX_LISTS + 1):
-        if listed is None:
-            listed = CandidateList.of(
+        if candidates is None:
+            candidates = CandidateList.of(
                 system,
                 rows,
                 values,
@@ -87,45 +87,46 @@ def solve_at(
                 growth=growth,
                 spare=spare,
             )
-        if rows is not listed.index:
-            values = _along(listed.index, rows, values, len(system))
-            rows = listed.index
-        start = values[0]
+        problem = candidates.problem
+        if rows is not candidates.index:
+            values = _along(candidates.index, rows, values, len(system))
+            rows = candidates.index
+        start = values.interference
         if load is None and placed == 0 and len(last.points) > 1:
-            listed.problem.laws.make(values[0] > 0)
+            problem.laws.make(values.interference > 0)
             better, products = corrected_prediction(
-                listed.problem, values[0], values[1], tolerance=tolerance
+                problem, values.interference, values.force, tolerance=tolerance
             )
             start = better if math.isfinite(float(better.sum())) else start
         bound = max(tolerance, FIRST_TOLERANCE) if blind else tolerance
         found = descend(
-            listed.problem,
+            problem,
             separation,
             start,
-            tilt=values[2:4].T,
+            tilt=values.tilt,
             tolerance=bound,
             load=load,
-            response=np.where(values[4] > 0, values[4], 1.0),
+            response=np.where(values.response > 0, values.response, 1.0),
         )
         solution = _ordered(last, found, tolerance)
         steps, products = steps + solution.steps, products + solution.products
-        field, values = listed.problem.coupling.smooth, solution.values
+        field, values = problem.coupling.smooth, solution.values
         separation = solution.separation
-        current = listed
+        current = candidates
         if solution.reason:
             if good is not None:
                 current, solution = good  # the solution before its points were moved
             break
         growth, rise = 1.0, 0.0
         # a missing summit that just touches would carry less than the mean load of a contact
-        few = LACKING_CANDIDATES * tolerance * np.count_nonzero(values[0] > 0)
-        again = not (listed.lacks(field, separation, growth, few) or blind)
-        listed = current.recentred(rows, values, tolerance) if again else None
+        few = LACKING_CANDIDATES * tolerance * np.count_nonzero(values.interference > 0)
+        again = not (candidates.lacks(field, separation, growth, few) or blind)
+        candidates = current.recentred(rows, values, tolerance) if again else None
         blind = False
-        if listed is current:
+        if candidates is current:
             stands = True
             break
-        good = None if listed is None else (current, solution)
+        good = None if candidates is None else (current, solution)
     reason, share = solution.reason, float(solution.laws.area.sum()) / system.nominal_area
     crowded = share > system.parameters.limits.unsettled_area
     if reason and crowded:
@@ -143,13 +144,13 @@ def solve_at(
 class Start(NamedTuple):
     """Start of the solve of a point.
 
-    `values` are the predicted `Point.values` of the summits `rows`; `growth` and `spare` are those
-    of `CandidateList.of`, whose separation is to be raised by `rise` [m]. `candidates` is the list
-    of the last point if it serves this point too, else None.
+    `values` are predicted, of the summits `rows`; `growth` and `spare` are those of
+    `CandidateList.of`, whose separation is to be raised by `rise` [m]. `candidates` is the list of
+    the last point if it serves this point too, else None.
     """
 
     rows: Index
-    values: Array
+    values: CandidateValues
     growth: float
     spare: float
     rise: float
@@ -160,24 +161,25 @@ def start_of(
     last: Continuation, separation: float, pressure: float | None, tolerance: float
 ) -> Start:
     """Start of the solve of a point; arguments as in `solve_at`."""
-    listed = last.candidates
+    candidates = last.candidates
     rows, values = last.predicted(separation, pressure)
     growth, spare = FIELD_GROWTH, SPARE_CANDIDATES
     if pressure is not None and last.points and last.points[-1].pressure > 0:
         growth, spare = max(1.0, pressure / last.points[-1].pressure), SPARE_CANDIDATES_OF_LOAD
     rise = last.rise(separation, values)
-    if listed is not None:
-        lacks = listed.lacks(last.field, separation + rise, growth)
-        listed = None if lacks else listed.recentred(rows, values, tolerance)
-    return Start(rows, values, growth, spare, rise, listed)
+    if candidates is not None:
+        lacks = candidates.lacks(last.field, separation + rise, growth)
+        candidates = None if lacks else candidates.recentred(rows, values, tolerance)
+    return Start(rows, values, growth, spare, rise, candidates)
 
 
-def _along(index: Index, rows: Index, values: Array, count: int) -> Array:
-    """The `Point.values` of the summits `index`, of `count` in all: the `values` of those among
-    `rows`, zero for the others."""
-    known = np.zeros((len(values), count))
-    known[:, rows] = values
-    return known.take(index, axis=1)  # in C order, the layout that the loops are compiled for
+def _along(index: Index, rows: Index, values: CandidateValues, count: int) -> CandidateValues:
+    """The values of the summits `index`, of `count` in all: the `values` of those among `rows`,
+    zero for the others."""
+    known = CandidateValues(*(np.zeros((count, *array.shape[1:])) for array in values))
+    for array, part in zip(known, values, strict=True):
+        array[rows] = part
+    return known.rows(index)
 
 
 def descend(problem: Problem, separation: float, start: Array, **settings: Any) -> Solution:
@@ -258,7 +260,7 @@ def _state(
         products=solution.products,
         lowest_candidate=solution.separation + 1.1 * lowest,
         rows=rows,
-        listed=np.stack((solution.approach, law.force, law.stiffness, area)),
+        contacts=Contacts(*np.stack((solution.approach, law.force, law.stiffness, area))),
         tilt=solution.tilt,
         continuation=continuation,
     )

@@ -15,7 +15,7 @@ from surfaces.errors import as_number
 
 from .contact_system import ContactSystem
 from .coupled_solve import solve_at, start_of
-from .population_state import Continuation, PopulationState
+from .population_state import Contacts, Continuation, PopulationState
 
 __all__ = ["Population", "PopulationState", "handed_on"]
 
@@ -156,10 +156,8 @@ def handed_on(
         return state
     kept = start_of(last, separation, pressure, tolerance).candidates
     last = last.without_contacts() if kept is None else replace(last, candidates=kept)
-    none = np.empty(0, np.int64)
-    return replace(
-        state, continuation=last, rows=none, listed=np.empty((4, 0)), tilt=np.empty((0, 2))
-    )
+    none, no_contacts = np.empty(0, np.int64), Contacts(*np.empty((4, 0)))
+    return replace(state, continuation=last, rows=none, contacts=no_contacts, tilt=np.empty((0, 2)))
 
 
 def reached(

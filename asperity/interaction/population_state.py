@@ -5,11 +5,12 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from asperity.interaction.ewald.tangent import Tangent
+from asperity.interaction.newton.final_step import CandidateValues
 from asperity.interaction.newton.step import conjugate_gradients
 from surfaces.arrays import Array, Index
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from .candidates import CandidateList
     from .contact_system import ContactSystem
 
-__all__ = ["Continuation", "Point", "PopulationState", "weights"]
+__all__ = ["Contacts", "Continuation", "Point", "PopulationState", "weights"]
 
 UNLOADING_TOLERANCE = 0.03
 """Relative accuracy of the linear solve for the unloading stiffness."""
@@ -48,26 +49,25 @@ class Point:
     rows
         Candidates of the point, shape (m,).
     values
-        Five rows of numbers of these candidates, shape (5, m): interference [m], force [N],
-        gradients of the displacement along y and along x [-], response [-].
+        Values of these candidates.
     """
 
     separation: float
     pressure: float
     rows: Index
-    values: Array
+    values: CandidateValues
 
 
-def predict(points: tuple[Point, ...], separation: float, count: int) -> Array:
-    """Predict `Point.values` of the candidates of the last point at a separation [m].
+def predict(points: tuple[Point, ...], separation: float, count: int) -> CandidateValues:
+    """Predict the values of the candidates of the last point at a separation [m].
 
-    Each of the `count` summits is extrapolated from the last points that have it as a candidate.
-    From one point closed contacts follow their response (`values[4]`)."""
+    Each of the `count` summits is extrapolated from the last points that have it as a candidate;
+    the response stays. From one point closed contacts follow their response."""
     last = points[-1]
     if len(points) == 1:
-        values, fall = last.values.copy(), last.separation - separation
-        values[0] += np.where(values[0] > 0, values[4] * fall, 0.0)
-        return values
+        before, fall = last.values.interference, last.separation - separation
+        gained = np.where(before > 0, last.values.response * fall, 0.0)
+        return last.values._replace(interference=before + gained)
     values, known, parts = last.values, np.ones(len(last.rows), bool), [last.values]
     for back, other in enumerate(reversed(points[:-1]), start=2):
         part = other.values
@@ -76,13 +76,11 @@ def predict(points: tuple[Point, ...], separation: float, count: int) -> Array:
             place[other.rows] = np.arange(len(other.rows), dtype=np.int32)
             place = place.take(last.rows)
             known &= place >= 0
-            part = part.take(place, axis=1)
+            part = part.rows(place)
         parts.insert(0, part)
         share = weights(separation, [point.separation for point in points[-back:]])
-        found = sum(weight * part for weight, part in zip(share, parts, strict=True))
-        values = np.where(known, found, values)
-    values[4] = last.values[4]
-    return values
+        values = CandidateValues.weighted(share, parts, known, values)
+    return values._replace(response=last.values.response)
 
 
 def weights(place: float, known: list[float]) -> Array:
@@ -151,19 +149,19 @@ class Continuation:
             solution=solution,
         )
 
-    def predicted(self, separation: float, pressure: float | None) -> tuple[Index, Array]:
-        """Predicted candidates, and `Point.values` of each, at a separation or mean pressure."""
+    def predicted(self, separation: float, pressure: float | None) -> tuple[Index, CandidateValues]:
+        """Predicted candidates, and the values of each, at a separation or mean pressure."""
         system = self.system
         if self.points:
             # at a separation a line is enough: `corrected_prediction` mends what it misses
             known = self.points[-2:] if pressure is None else self.points
             return self.points[-1].rows, predict(known, separation, len(system))
         rows = system.above(separation)
-        values = np.zeros((5, len(rows)))
-        values[0] = 0.5 * (system.height[rows] - separation)
-        return rows, values
+        none = np.zeros(len(rows))
+        guess = 0.5 * (system.height[rows] - separation)
+        return rows, CandidateValues(guess, none, np.zeros((len(rows), 2)), none)
 
-    def rise(self, separation: float, values: Array) -> float:
+    def rise(self, separation: float, values: CandidateValues) -> float:
         """How far [m] nearly all closed contacts of a free half-space sink as the flat moves from
         the last point to a separation, where they are predicted to have `values`.
 
@@ -174,7 +172,8 @@ class Continuation:
         if self.system.boundary == "periodic" or not self.points:
             return 0.0
         last = self.points[-1]
-        gained = (values[0] - last.values[0])[last.values[0] > 0]
+        before = last.values.interference
+        gained = (values.interference - before)[before > 0]
         if not gained.size:
             return 0.0
         most = int(SINKING_SHARE * (gained.size - 1))
@@ -208,6 +207,16 @@ class Continuation:
         return self.solution.tangent[0] / self.system.nominal_area
 
 
+class Contacts(NamedTuple):
+    """Approach [m], force [N], stiffness [N/m] and area [m^2] of some contacts, shape (k,) each;
+    zero for open contacts."""
+
+    approach: Array
+    force: Array
+    stiffness: Array
+    area: Array
+
+
 @dataclass(frozen=True, eq=False)
 class PopulationState:
     """Contacts of a population at one separation.
@@ -236,8 +245,8 @@ class PopulationState:
         Numbers of Newton steps, and of products with the interaction matrix.
     lowest_candidate
         Height [m] below which no summit can touch in the field of the others.
-    rows, listed
-        Candidates, shape (k,), and their approach, force, stiffness and area, shape (4, k).
+    rows, contacts
+        Candidates, shape (k,), and the contact of each.
     tilt
         Gradients [-] of the displacement of each candidate by all others, along y and x, (k, 2).
     continuation
@@ -265,7 +274,7 @@ class PopulationState:
     products: int
     lowest_candidate: float
     rows: Index = field(repr=False)
-    listed: Array = field(repr=False)
+    contacts: Contacts = field(repr=False)
     tilt: Array = field(repr=False)
     continuation: Continuation = field(repr=False)
 
@@ -276,27 +285,27 @@ class PopulationState:
     @functools.cached_property
     def approach(self) -> Array:
         """Approaches [m] of all summits."""
-        return self._of_all(0)
+        return self._of_all(self.contacts.approach)
 
     @functools.cached_property
     def force(self) -> Array:
         """Forces [N] of all summits."""
-        return self._of_all(1)
+        return self._of_all(self.contacts.force)
 
     @functools.cached_property
     def stiffness(self) -> Array:
         """Stiffnesses [N/m] of all summits."""
-        return self._of_all(2)
+        return self._of_all(self.contacts.stiffness)
 
     @functools.cached_property
     def area(self) -> Array:
         """Contact areas [m^2] of all summits."""
-        return self._of_all(3)
+        return self._of_all(self.contacts.area)
 
-    def _of_all(self, column: int) -> Array:
-        values = np.zeros(len(self.continuation.system))
-        values[self.rows] = self.listed[column]
-        return values
+    def _of_all(self, listed: Array) -> Array:
+        found = np.zeros(len(self.continuation.system))
+        found[self.rows] = listed
+        return found
 
     @property
     def normal_stiffness(self) -> float:
@@ -308,9 +317,10 @@ class PopulationState:
         """Minus the slope of mean pressure over separation [Pa/m] as the load begins to fall.
 
         Contacts that have yielded keep their areas: it is that of coupled elastic contacts."""
-        last, closed = self.continuation, self.listed[1] > 0.0
+        last, closed = self.continuation, self.contacts.force > 0.0
         stiffness = np.ones(closed.size)
-        elastic = last.system.table.elastic_at(self.rows[closed], self.listed[0, closed])
+        approach = self.contacts.approach[closed]
+        elastic = last.system.table.elastic_at(self.rows[closed], approach)
         stiffness[closed] = elastic[1]
         load = stiffness[closed]
         if last.candidates is not None and closed.any():

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.interaction.ewald.tangent import Tangent
-from surfaces.arrays import Array
+from surfaces.arrays import Array, Index, Mask
 
 from .laws import Evaluated
 from .state import State
 from .step import Step, conjugate_gradients
 
-__all__ = ["Solution", "finished", "shared", "tangent_of"]
+__all__ = ["CandidateValues", "Solution", "finished", "shared", "tangent_of"]
 
 LINEAR_TOLERANCE = 0.2
 """Relative accuracy of the linear solve of a step."""
@@ -33,6 +35,45 @@ contacts on ridges (lay of 4:1 to the pixel, 10 % of contact) changed it by 1.4 
 flat by 1 to 2 % of the load, where the steps before them had moved it by 0.1 %."""
 
 
+class CandidateValues(NamedTuple):
+    """Solved or predicted values of some candidates; the first axis runs over the candidates.
+
+    Attributes
+    ----------
+    interference
+        Interference z - s - u [m] with the flat: the approach of a closed contact, minus the gap of
+        an open one.
+    force
+        Force [N].
+    tilt
+        Gradients [-] of the displacement along y and x, shape (n, 2).
+    response
+        Approach that a contact gains per fall of the flat [-].
+    """
+
+    interference: Array
+    force: Array
+    tilt: Array
+    response: Array
+
+    def rows(self, index: Index | NDArray[np.int32]) -> CandidateValues:
+        """The values of the candidates `index`."""
+        return CandidateValues(*(array.take(index, axis=0) for array in self))
+
+    @classmethod
+    def weighted(
+        cls, weights: Array, parts: list[CandidateValues], known: Mask, others: CandidateValues
+    ) -> CandidateValues:
+        """The sum of the `parts`, each times its weight, for the candidates `known`; `others` for
+        the rest."""
+        found, rest = [], ~known
+        for other, arrays in zip(others, zip(*parts, strict=True), strict=True):
+            total = np.asarray(sum(w * array for w, array in zip(weights, arrays, strict=True)))
+            total[rest] = other[rest]
+            found.append(total)
+        return cls(*found)
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """Solution that `descent` reached.
@@ -44,8 +85,7 @@ class Solution:
     approach
         Approach d [m] of each contact, zero where it is open.
     interference
-        Interference z - s - u [m] of each contact with the flat: its approach where it is closed,
-        minus the gap where it is open.
+        `CandidateValues.interference` [m], shape (n,).
     laws
         Laws at the approach.
     tilt
@@ -59,8 +99,7 @@ class Solution:
     reason
         Why the solve failed; empty if it converged.
     response
-        Approach that each contact gains per fall of the flat [-], shape (n,): a guess while `slope`
-        is None.
+        `CandidateValues.response` [-], shape (n,): a guess while `slope` is None.
     slope
         Minus the slope of the load over the separation [N/m]; None if `tangent` has to solve it.
     linearized
@@ -86,9 +125,10 @@ class Solution:
         return float(self.laws.force.sum())
 
     @property
-    def values(self) -> Array:
-        """`population_state.Point.values` of this solution, shape (5, n)."""
-        return np.stack((self.interference, self.laws.force, *self.tilt.T, self.response))
+    def values(self) -> CandidateValues:
+        """Values of the contacts, from which those of the next point are predicted."""
+        force = self.laws.force.copy()  # part of a larger array, which could not be freed
+        return CandidateValues(self.interference, force, self.tilt, self.response)
 
     @functools.cached_property
     @np.errstate(all="ignore")  # of a point that is refused

@@ -86,8 +86,8 @@ def descent(
     load
         Sum of the forces [N] to reach, positive; None: the separation is given.
     response
-        Approach that each contact gains per fall of the flat [-], shape (n,): the first guess of
-        how contacts share a missing load. None: 1.
+        `CandidateValues.response` [-], shape (n,): the first guess of how contacts share a missing
+        load. None: 1.
 
     Notes
     -----

@@ -49,7 +49,7 @@ def correct(
     """
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
-    approach, force, stiffness, area = state.listed
+    approach, force, stiffness, area = state.contacts
     closed = np.flatnonzero(force > 0.0)
     punch, yielded = stiffness[closed], False
     if population.material.hardness < np.inf:
@@ -99,7 +99,7 @@ def _yielding(
     of both signs that nearly cancel are the error of the elements more than that of the laws: the
     weight of all rises with their sum, so that a small change of the state makes a small one here.
     """
-    area = state.listed[3]
+    area = state.contacts.area
     large = area[own] > fitted.pressed * state.contact_area
     own, shift = own[large], shift[large]
     change = changes(own, shift)
@@ -109,9 +109,10 @@ def _yielding(
 
 def _changed(state: PopulationState, own: Index, change: Array) -> PopulationState:
     """The state with `change` [m^2] added to the areas of the contacts `own`."""
-    listed = state.listed.copy()
-    listed[3, own] += change
-    return replace(state, listed=listed, contact_area=float(listed[3].sum()))
+    area = state.contacts.area.copy()
+    area[own] += change
+    contacts = state.contacts._replace(area=area)
+    return replace(state, contacts=contacts, contact_area=float(area.sum()))
 
 
 def _shifts(population: Population, state: PopulationState, own: Index, punch: Array) -> Array:
@@ -121,7 +122,7 @@ def _shifts(population: Population, state: PopulationState, own: Index, punch: A
     A paraboloid has R = a^2 / (p d) at the approach d, p = `Footprints.power` (1 for m = 0); a is
     the radius of the flat punch of the stiffness `punch` [N/m].
     """
-    body, depth = population.footprints, state.listed[0, own]
+    body, depth = population.footprints, state.contacts.approach[own]
     radius = body.radius(np.maximum(punch, 0.0))
     return np.asarray(radius * np.hypot(*state.tilt[own].T) / (body.power * depth))
 
@@ -154,7 +155,8 @@ def _areas(
 ) -> Array:
     """Areas [m^2] of the contacts `own` on their tilted basins, shape (k,); the present area of a
     contact whose tilted basin has no summit."""
-    rows, approach, force, area = state.rows[own], *state.listed[:, own][[0, 1, 3]]
+    rows, contacts = state.rows[own], state.contacts
+    approach, force, area = contacts.approach[own], contacts.force[own], contacts.area[own]
     gradient = state.tilt[own] / (1.0 + shift[:, None])
     tilted, body = summits.tilted(rows, gradient, fitted.passed * approach), population.material
     found = np.zeros(len(own))

@@ -46,23 +46,23 @@ def narrow(monkeypatch):
 
 def placed(population, listing, values):
     """Places of the contacts about their summits, shape (2, n)."""
-    touches = values[0] > 0
-    return population.table.centre_at(listing.index[touches], values[0, touches]), touches
+    touches = values.interference > 0
+    places = population.table.centre_at(listing.index[touches], values.interference[touches])
+    return places, touches
 
 
 def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_allow(
     light, narrow, monkeypatch
 ):
     population, listing, values = light
-    values = values.copy()
-    values[0] *= 3.0
+    values = values._replace(interference=3.0 * values.interference)
     centre, touches = placed(population, listing, values)
     rows, skin = listing.index[touches], PAIR_LIST_SKIN * listing.problem.coupling.eta
     found = listing.recentred(listing.index, values, 1e-3)
     for new, place in zip(centre, found.offset, strict=True):
         np.testing.assert_allclose(place[rows], new, rtol=1e-12)
     assert found.paired is listing.paired
-    lightest = rows[np.argmin(values[0, touches])]
+    lightest = rows[np.argmin(values.interference[touches])]
     elsewhere = listing.paired.copy()
     elsewhere[:, lightest] = found.offset[:, lightest] + 2.0 * skin
     leaping = replace(listing, paired=elsewhere)
@@ -77,8 +77,7 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
 
 def test_points_that_are_moved_back_go_half_of_the_way(light, narrow):
     population, listing, values = light
-    values = values.copy()
-    values[0] *= 3.0
+    values = values._replace(interference=3.0 * values.interference)
     _, touches = placed(population, listing, values)
     rows = listing.index[touches]
     way = listing.recentred(listing.index, values, 1e-3).moved[:, rows]
@@ -95,8 +94,7 @@ def test_more_contacts_may_stand_a_little_astray_under_a_wider_tolerance(
     light, narrow, monkeypatch
 ):
     _, listing, values = light
-    values = values.copy()
-    values[0] *= 2.0
+    values = values._replace(interference=2.0 * values.interference)
     assert listing.recentred(listing.index, values, 1.0) is not listing
     monkeypatch.setattr(module, "LARGEST_DISTANCE", 1.0)
     monkeypatch.setattr(module, "MANY_CONTACTS", 1)
