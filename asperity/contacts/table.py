@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.transforms import edge_weights, kappa
+from asperity.microcontact.hertz import axis_ratios
 from asperity.results.storage import structured
 from surfaces.arrays import Array
 from surfaces.errors import as_count, as_numbers
@@ -48,11 +49,12 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     active = np.flatnonzero(state.force > 0)
     profiles, (y, x) = decomposition.summits, decomposition.places
     area, approach = state.area[active], state.approach[active]
-    radius, aspect = np.sqrt(area / np.pi), decomposition.aspect[active]
+    radius = np.sqrt(area / np.pi)
+    aspect = axis_ratios(decomposition.curvature[active], body.m)
     table, depth = decomposition.population.table, np.maximum(approach, 0.0)
     offset_x, offset_y = table.centre_at(active, depth)
     sampled = profiles.rows(active)
-    radii, filled = outlines(sampled, depth, area, aspect, body.m)
+    radii, filled = outlines(sampled, depth, area, decomposition.aspect[active], body.m)
     return structured(
         {
             "x": _within(decomposition, x[active], 1),
@@ -64,7 +66,7 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
             "radius": radius,
             "semi_major": radius / np.sqrt(aspect),
             "semi_minor": radius * np.sqrt(aspect),
-            "angle": profiles.angle[active],
+            "angle": decomposition.angle[active],
             "mean_pressure": state.force[active] / area,
             "peak_pressure": np.minimum(
                 0.5 * (3.0 + body.m) * state.force[active] / area, body.hardness
