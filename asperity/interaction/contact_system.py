@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from bisect import bisect_left
 from typing import TYPE_CHECKING, Self
 
@@ -13,10 +12,11 @@ from numpy.typing import ArrayLike
 from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.load_points import known_boundary
+from asperity.halfspace.material import require_half_space
 from asperity.interaction.newton.laws import Laws
 from asperity.parameters import DEFAULTS, Parameters
 from surfaces.arrays import Array, Index
-from surfaces.errors import as_numbers
+from surfaces.errors import as_numbers, as_sizes
 from surfaces.numerics.memory import on_disk
 
 from .elongation import Elongation
@@ -91,10 +91,12 @@ class ContactSystem:
             )
         if len(self.x) == 0:
             raise InputError("the population has no summit; lower the height to segment above")
-        if not (len(cell) == 2 and min(cell) > 0 and math.isfinite(max(cell))):
+        sides = as_sizes("cell", cell)
+        if not (sides.shape == (2,) and sides.min() > 0):
             raise InputError(f"cell must be two positive lengths, got {cell!r}")
+        require_half_space(material)
         self.boundary, self.material = known_boundary(boundary), material
-        self.cell = (float(cell[0]), float(cell[1]))
+        self.cell = (float(sides[0]), float(sides[1]))
         self.interaction = interaction and self._can_interact
         self.parameters = parameters
         self.contact_shift = parameters.corrections.contact_shift
@@ -104,7 +106,12 @@ class ContactSystem:
         self.elongation: Elongation | None = None
         long = parameters.corrections.elongation
         if long and curvature is not None and angle is not None:
-            forms = np.asarray(curvature, float), np.asarray(angle, float)
+            forms = as_numbers("curvature", curvature), as_numbers("angle", angle)
+            if not (forms[0].shape == (len(self), 2) and forms[1].shape == (len(self),)):
+                raise InputError(
+                    f"curvature and angle have the shapes {forms[0].shape} and {forms[1].shape}; "
+                    f"give two curvatures and one angle for each of {len(self)} summits"
+                )
             elongation = Elongation.of(*forms, self.footprints, parameters.elongation)
             self.elongation = on_disk(elongation) if self.table.stored else elongation
         usable = np.flatnonzero(self.laws.usable)

@@ -108,14 +108,17 @@ class Population(ContactSystem):
         Raises
         ------
         InputError
-            If not just one of separation and mean pressure is given, or a number cannot be used.
+            If not just one of separation and mean pressure is given, a number cannot be used, or
+            the state is that of another population.
         """
         kind, goal = checked_load(pressure, separation)
         if not as_number("tolerance", tolerance) > 0:
             raise InputError(f"tolerance must be positive, got {tolerance!r}")
+        last = Continuation(self) if state is None else getattr(state, "continuation", None)
+        if last is None or last.system is not self:
+            raise InputError("the state is not one of this population; solve one with it")
         with self.laws.store.turn:  # solves in two threads share the laws
             self.laws.foresee(None)
-            last = Continuation(self) if state is None else state.continuation
             loaded = kind == "pressure"
             if loaded and heaviest is not None and state is not None and state.mean_pressure > 0:
                 growth = heaviest / state.mean_pressure if heaviest > goal else 0.0

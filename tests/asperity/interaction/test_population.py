@@ -261,26 +261,6 @@ def test_a_filled_plane_is_refused_with_its_reason():
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"x": np.zeros(3)}, "rows"),
-        ({"height": np.full(5, np.nan)}, "height"),
-        ({"boundary": "mirror"}, "boundary"),
-        ({"cell": (1.0, -2.0)}, "cell"),
-        ({"y": np.zeros((5, 1))}, "one-dimensional"),
-    ],
-)
-def test_unusable_input_is_refused(change, message):
-    good = {
-        "x": np.arange(5.0), "y": np.arange(5.0), "height": np.zeros(5),
-        "table": HertzTable(np.ones(5), np.ones(5)), "cell": (5.0, 6.0),
-        "boundary": "periodic", "material": HalfSpace.from_modulus(1.0),
-    }  # fmt: skip
-    with pytest.raises(InputError, match=message):
-        Population(**{**good, **change})
-
-
-@pytest.mark.parametrize(
     ("given", "message"),
     [
         ({}, "exactly one of"),
@@ -289,6 +269,7 @@ def test_unusable_input_is_refused(change, message):
         ({"separation": np.nan}, "finite"),
         ({"separation": "low"}, "separation is 'low'"),
         ({"separation": 0.0, "tolerance": 0.0}, "tolerance"),
+        ({"separation": 0.0, "state": make(9).solve(separation=0.0)}, "not one of this"),
     ],
 )
 def test_unusable_points_are_refused(given, message):
