@@ -145,7 +145,7 @@ def contact_curve(
         plan = make_plan(hm, material, boundary=boundary, **asked, **law_of)
     told: dict[str, Any] = {"progress": progress, "checkpoint": checkpoint}
     curve = solve_loads(hm, material, plan, keep=False, **asked, **told)[0]
-    return curve if verify is None else anchored(hm, material, curve, verify)
+    return curve if verify is None else anchored(hm, material, plan, curve, verify)
 
 
 def solve_loads(

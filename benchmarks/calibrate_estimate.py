@@ -91,7 +91,7 @@ def main() -> None:
         figures: list[tuple[str, str, str]] = []
         for path, data in sets.items():
             true, terms = error(data, kind), matrix(data)
-            stated = estimate(dict(zip(TERMS, terms.T, strict=True)), tuple(weights))
+            stated = estimate(dict(zip(TERMS, terms.T, strict=True)), tuple(weights), FITTED)
             shares = (np.mean(true <= stated), np.median(stated), np.median(true))
             figures.append(tuple(f"{100 * share:.1f}" for share in shares))
             print(

@@ -5,12 +5,12 @@ r"""What a quarter more or less of each constant of the model changes in the jud
         --csv docs/development/data/sensitivity.csv
     python benchmarks/sensitivity.py --hardness 0.2 0.5 --only tilted_basins
 
-Every field of `asperity.parameters` that is a number, or a tuple of numbers, is scaled by 0.75 and
-1.25 alone, but for the weights of the error estimate, which change no load and no area. The maps
-are some of judged_maps.py, with the boundary elements that ablation.py kept. The table holds the
-root-mean-square and the worst error of load and area over all points, with the constant as it is
-(first row) and scaled, and the largest change of any of them. ``--csv`` writes the constants that
-change a load or an area by a tenth of a percent and more.
+Every field of `asperity.parameters.Parameters` that is a number, or a tuple of numbers, is scaled
+by 0.75 and 1.25 alone, but for the weights of the error estimate, which change no load and no area.
+The maps are some of judged_maps.py, with the boundary elements that ablation.py kept. The table
+holds the root-mean-square and the worst error of load and area over all points, with the constant
+as it is (first row) and scaled, and the largest change of any of them. ``--csv`` writes the
+constants that change a load or an area by a tenth of a percent and more.
 """
 
 from __future__ import annotations
@@ -45,9 +45,6 @@ FAMILIES = (
 )
 FACTORS = (0.75, 1.25)
 MATTERS = 0.001
-STATED = "error_estimate", "anchors", "parts", "run_times", "pixel_uncertainty"
-"""Groups of constants that change no load and no area of the model, but what is stated of them."""
-
 COLUMNS = {
     "load error: rms, %": "load_rms",
     "load error: worst, %": "load_worst",
@@ -72,7 +69,7 @@ def variants() -> Iterator[tuple[str, float, Parameters]]:
     """Name of each constant, factor, and the parameters with it."""
     yield "", 1.0, DEFAULTS
     for group in fields(DEFAULTS):
-        if group.name in STATED:
+        if group.name == "error_estimate":
             continue
         kept = getattr(DEFAULTS, group.name)
         for field in fields(kept):

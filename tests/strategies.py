@@ -10,6 +10,7 @@ from oracles import HertzTable
 
 from asperity import HalfSpace
 from asperity.multiscale.sub_contact_law import SubContactLaw
+from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, self_affine
 
 GRADINGS = st.floats(-0.8, 0.8)
@@ -19,7 +20,16 @@ POWERS = st.floats(0.6, 4.0)
 """Exponents of power-law bodies r**k."""
 
 STEEL = HalfSpace.from_modulus(2e11)
-FINE = SubContactLaw(shortest=1e-6, ratio=1.0, variance=4e18, energy=3e2, number=6e6)
+FINE = SubContactLaw(
+    shortest=1e-6,
+    ratio=1.0,
+    variance=4e18,
+    energy=3e2,
+    number=6e6,
+    m=0.0,
+    rms=(1.0, 1.0),
+    fitted=DEFAULTS.sub_contact,
+)
 
 
 def rough(shape=(60, 84), size=(1.0, 1.5), *, slope=1.0, cutoff=4.0, seed=0, periodic=True):

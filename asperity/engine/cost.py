@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from asperity.model.plan import peaks_above
-from asperity.parameters import DEFAULTS
+from asperity.parameters import ENGINE
 
 from .parts import parts_along, statistically_homogeneous
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["can_anchor", "cheapest", "forecast"]
 
-RUN_TIMES = DEFAULTS.run_times
+RUN_TIMES = ENGINE.run_times
 
 
 def forecast(
@@ -39,7 +39,7 @@ def forecast(
         solved = plan.solved(hm)
         side = parts_along(hm, solved)
         model += RUN_TIMES.model[1] * peaks_above(solved, plan.above)
-        parts = RUN_TIMES.parts * side * _curve(points / side**2, DEFAULTS.parts.loads, fine)
+        parts = RUN_TIMES.parts * side * _curve(points / side**2, ENGINE.parts.loads, fine)
     each = RUN_TIMES.bem[2] * dearer * _unit(points)
     return {
         "bem": _curve(points, loads, dearer),
@@ -51,7 +51,7 @@ def forecast(
 def can_anchor(hm: HeightMap, plan: Plan) -> bool:
     """Whether a few anchors are likely to be enough: on a map that is `statistically_homogeneous`,
     without a sub-contact law."""
-    return plan.sub_contact_law is None and statistically_homogeneous(hm)
+    return plan.sub_contact_law is None and statistically_homogeneous(hm, plan)
 
 
 def cheapest(seconds: dict[str, float]) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
-from asperity.parameters import DEFAULTS
+from asperity.parameters import ENGINE
 from asperity.results.interpolation import log_ratio
 from surfaces.arrays import Array, Index, Mask
 from surfaces.numerics import parallel
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["PartMisfit", "corner", "long_waves", "misfit_on_parts"]
 
 
-PARTS = DEFAULTS.parts
+PARTS = ENGINE.parts
 
 SAMPLED_ROWS = 4
 """Every fourth row of a map is taken for the means of its long waves."""

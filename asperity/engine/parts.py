@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity.halfspace.checks import model_warnings
-from asperity.parameters import DEFAULTS
+from asperity.parameters import ENGINE
 from asperity.trust.verified import (
     answered,
     bounds_at,
@@ -42,14 +42,14 @@ if TYPE_CHECKING:
 __all__ = ["can_sample", "parts_along", "sampled", "statistically_homogeneous"]
 
 
-PARTS = DEFAULTS.parts
+PARTS = ENGINE.parts
 
 
-def statistically_homogeneous(hm: HeightMap) -> bool:
+def statistically_homogeneous(hm: HeightMap, plan: Plan) -> bool:
     """Whether a map consists of random waves without a long lay: its contacts are statistically
     alike, so that the misfit is that of a few places and changes slowly with the load."""
     doubts = model_warnings(hm, PARTS.longest_lay)
-    return not doubts and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
+    return not doubts and random_map(hm, plan.parameters.pixel_waves.kurtosis)
 
 
 def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accuracy) -> bool:
@@ -74,7 +74,7 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     enough = min(accuracy.load / PARTS.floor[0], accuracy.area / PARTS.floor[1]) >= PARTS.spare
     if not enough or min(hm.shape) < PARTS.least_points:
         return False
-    if not statistically_homogeneous(hm) or copied(hm):
+    if not statistically_homogeneous(hm, plan) or copied(hm):
         return False
     side = parts_along(hm, plan.solved(hm))
     waves = long_waves(hm, plan, side)
@@ -128,7 +128,7 @@ def sampled(
 
     def on_whole(which: Mask) -> None:
         if judge is not None:
-            solved.update(solved_points(judge, values, at[which], DEFAULTS.anchors.judge_share))
+            solved.update(solved_points(judge, values, at[which], ENGINE.anchors.judge_share))
 
     misfit, bounds, floor = misfit_on_parts(
         judged, hm, plan, model, at, shares, allowed, None if judge is None else on_whole

@@ -13,9 +13,10 @@ from asperity.bem.answer import answer
 from asperity.bem.curve import SolvedLoad
 from asperity.bem.load_path import LoadPath
 from asperity.bem.problem import ContactProblem
+from asperity.halfspace.checks import COARSE
 from asperity.halfspace.load_points import Boundary, closed_share
 from asperity.halfspace.material import HalfSpace
-from asperity.parameters import DEFAULTS
+from asperity.parameters import ENGINE
 from surfaces.arrays import Array, Mask
 from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap
@@ -34,7 +35,7 @@ __all__ = [
 ]
 
 
-PIXELS = DEFAULTS.pixel_uncertainty
+PIXELS = ENGINE.pixel_uncertainty
 
 ACCURACY = 0.05
 """Accuracy in load and area of the solution on the finer grid."""
@@ -197,8 +198,7 @@ def resolution(hm: HeightMap, solved: SolvedLoads) -> Resolution:
         f"contacts narrower than {PIXELS.narrow:g} pixels hold {share:.0%} of the lightest "
         f"contact, waves of less than two pixels would open {opened:.0%} of a contact"
     )
-    least = DEFAULTS.pixel_waves.to_the_pixel
-    broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
+    broken = resolution_warning(hm, COARSE) + seam_warning(hm) + straight_warning(hm)
     if share < PIXELS.doubtful and opened <= PIXELS.floor[1] and not broken:
         return Resolution(*PIXELS.floor, held)
     apart = np.abs(between_grids(solved.kept, ACCURACY)).max(axis=1, initial=0.0)

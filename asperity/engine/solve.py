@@ -19,7 +19,7 @@ from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.load_points import Boundary, as_pressed, checked_loads, chosen_boundary
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.model.plan import make_plan
-from asperity.parameters import DEFAULTS
+from asperity.parameters import ENGINE
 from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import verified_facts
 from asperity.trust.verified import Accuracy, anchors_suffice, verified
@@ -236,7 +236,7 @@ class _Scene:
         """The engine for these load points, and why."""
         if engine == "bem":
             return _Choice("bem", "as asked", None)
-        least = DEFAULTS.anchors.least_loads
+        least = ENGINE.anchors.least_loads
         if engine == "auto" and verify and len(values) < least:
             return _Choice("bem", f"fewer than {least} load points", None)
         loads = self.loads(values)
@@ -292,7 +292,8 @@ class _Scene:
         if choice.engine == "anchored" or choice.plan is None:
             if not anchors_suffice(run.curve, asked):
                 return None
-            return verified(self.hm, run.curve, self.kind, values, judge, asked)
+            plan = run.decomposition.plan
+            return verified(self.hm, plan, run.curve, self.kind, values, judge, asked)
         whole = judge if self.fits else None
         return sampled(self.hm, choice.plan, run, self.kind, values, whole, asked, self.solved)
 

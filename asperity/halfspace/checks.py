@@ -20,7 +20,10 @@ from surfaces.heightmap import HeightMap
 from .load_points import AREA_OVER_LOAD, pressure_scale, slope_scale
 from .material import HalfSpace
 
-__all__ = ["hardness_needed", "model_warnings", "modulus_warning", "scene_warnings"]
+__all__ = ["COARSE", "hardness_needed", "model_warnings", "modulus_warning", "scene_warnings"]
+
+COARSE = DEFAULTS.pixel_waves.to_the_pixel
+"""Least `fineness` [-] of a map that is called too coarse, by every engine and for every plan."""
 
 STEEP_SLOPE = 0.5
 """Rms slope above which elasticity for small slopes is doubtful."""
@@ -50,7 +53,7 @@ def scene_warnings(hm: HeightMap, material: HalfSpace) -> list[str]:
         *modulus_warning(material),
         *_steep_warning(found.rms_slope),
         *tilt_warning(hm, TILTED_SHARE),
-        *resolution_warning(hm, DEFAULTS.pixel_waves.to_the_pixel),
+        *resolution_warning(hm, COARSE),
         *spike_warning(hm),
         *seam_warning(hm),
         *hardness_needed(hm, material)[1],

@@ -10,7 +10,7 @@ from scipy.special import ellipe, ellipk
 
 from asperity.halfspace.footprint import Footprints
 from asperity.microcontact.hertz import axis_ratios
-from asperity.parameters import DEFAULTS, ElongationBounds
+from asperity.parameters import ElongationBounds
 from surfaces.arrays import Array, Index
 
 __all__ = ["Elongation"]
@@ -49,11 +49,7 @@ class Elongation:
 
     @classmethod
     def of(
-        cls,
-        curvature: Array,
-        angle: Array,
-        footprints: Footprints,
-        bounds: ElongationBounds = DEFAULTS.elongation,
+        cls, curvature: Array, angle: Array, footprints: Footprints, bounds: ElongationBounds
     ) -> Elongation:
         """Elongation of contacts on summits with principal curvatures [1/m], shape (n, 2), the
         larger first, and directions of the long axis [rad], (n,)."""

@@ -31,9 +31,7 @@ COMPARED_SHARES = np.array([0.003, 0.01, 0.03, 0.1])
 """Approaches over the reach at which the laws of a doubtful summit are compared."""
 
 
-def tabulate_auto(
-    profiles: Profiles, material: HalfSpace, choice: LawChoice = DEFAULTS.law_choice
-) -> LawTable:
+def tabulate_auto(profiles: Profiles, material: HalfSpace, choice: LawChoice) -> LawTable:
     """Law table of many profiles: `ellipse`, checked against `ritz` where its expansion ends early.
 
     `ellipse`, the expansion about the optimal ellipse, is the most accurate law wherever a
@@ -107,7 +105,7 @@ def _replace(table: LawTable, rows: Index, second: LawTable, ratio: Array) -> No
         table.centre[rows] = 0.0
 
 
-TABULATORS: dict[str, Callable[[Profiles, HalfSpace], LawTable]] = {
+TABULATORS: dict[str, Callable[..., LawTable]] = {
     "auto": tabulate_auto,
     "hertz": hertz.tabulate,
     "paper": partial(tabulate_expansion, law="paper"),
@@ -115,22 +113,20 @@ TABULATORS: dict[str, Callable[[Profiles, HalfSpace], LawTable]] = {
     "ellipse": ellipse.tabulate,
     "ritz": tabulate_ritz,
 }
-"""Law table of a batch by each law, the default first."""
+"""Law table of a batch by each law, the default first; "auto" takes a `LawChoice`, too."""
 
 LAWS = tuple(TABULATORS)
 """Names of the laws."""
 
 
 def elastic_table(
-    profiles: Profiles, material: HalfSpace, *, law: str, choice: LawChoice = DEFAULTS.law_choice
+    profiles: Profiles, material: HalfSpace, *, law: str, choice: LawChoice
 ) -> LawTable:
     """`tabulate` without the hardness. If the half-space has one, the table holds the bearing areas
     from which `capped_table` makes the laws with the hardness. `choice` is that of the law "auto".
     """
     tabulated = TABULATORS[as_choice("law", law, TABULATORS)]
-    if tabulated is tabulate_auto:
-        tabulated = partial(tabulate_auto, choice=choice)
-    table = tabulated(profiles, material)
+    table = tabulated(profiles, material, *([choice] if law == "auto" else []))
     if material.hardness < math.inf:
         table.bearing = profiles.bearing_areas(table.approach())
     return table
@@ -148,4 +144,5 @@ def tabulate(profiles: Profiles, material: HalfSpace, *, law: str = "harmonic") 
     law
         Name of the law, see `LAWS`.
     """
-    return capped_table(elastic_table(profiles, material, law=law), material)
+    choice = DEFAULTS.law_choice
+    return capped_table(elastic_table(profiles, material, law=law, choice=choice), material)

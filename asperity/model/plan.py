@@ -171,14 +171,14 @@ def make_plan(
     hm, material, pressures, separations, law, interaction, boundary, scales
         As in `contact_curve`.
     parameters
-        Constants of the model, for studies of what each of them does.
+        Constants of the model, for studies of what each of them does (not those of the engines).
 
     Raises
     ------
     SurfaceError
         If the map has missing points or is constant, or the memory would not suffice.
     InputError
-        If the load points are not usable.
+        If the load points or the parameters are not usable.
     ModelRangeError
         If m is near -1, or all heights are waves of two pixels.
 
@@ -195,6 +195,9 @@ def make_plan(
     start = time.perf_counter()
     as_choice("scales", scales, SCALES)
     as_choice("law", law, TABULATORS)
+    if not isinstance(parameters, Parameters):
+        give = "give constants of the model (asperity.parameters.Parameters), none of the engines"
+        raise InputError(f"parameters is of type {type(parameters).__name__}; {give}")
     require_scene(hm, material)
     # results need the digest at the end; another thread computes it now, as a solve leaves one idle
     parallel.aside(functools.partial(getattr, hm, "digest"))

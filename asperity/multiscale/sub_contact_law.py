@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
-from asperity.parameters import DEFAULTS, SubContact
+from asperity.parameters import SubContact
 from surfaces.arrays import Array
 
 if TYPE_CHECKING:
@@ -95,9 +95,9 @@ class SubContactLaw:
     variance: float
     energy: float
     number: float
-    m: float = 0.0
-    rms: tuple[float, float] = (1.0, 1.0)
-    fitted: SubContact = DEFAULTS.sub_contact
+    m: float
+    rms: tuple[float, float]
+    fitted: SubContact
 
     @property
     def spread(self) -> float:

@@ -19,7 +19,7 @@ import numpy as np
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.footprint import Footprints
-from asperity.parameters import DEFAULTS, Parameters
+from asperity.parameters import Parameters
 from surfaces.checks import fine_waves_random, fineness, lay
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.peaks import flat_share
@@ -40,7 +40,7 @@ EMPTY_RMS = 1e-9
 NARROW_SPECTRUM = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
 
-def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap | str | None:
+def refined_map(hm: HeightMap, parameters: Parameters) -> HeightMap | str | None:
     """The map on a finer grid, by Fourier interpolation, if its waves reach the pixel.
 
     None if its own grid resolves it, or if its tops are flat; a reason if the finer grid would have
@@ -97,9 +97,7 @@ class Split(NamedTuple):
     law: SubContactLaw
 
 
-def split_scales(
-    hm: HeightMap, material: HalfSpace, parameters: Parameters = DEFAULTS
-) -> Split | str:
+def split_scales(hm: HeightMap, material: HalfSpace, parameters: Parameters) -> Split | str:
     """Split the waves of a map, or give the reason to leave it whole.
 
     Notes

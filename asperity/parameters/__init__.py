@@ -5,7 +5,8 @@ the largest change of load and area on ten judged maps if the constant is a quar
 smaller, where that is a tenth of a per cent or more (``benchmarks/sensitivity.py``,
 docs/development/sensitivity.csv). Numerical tolerances are in the modules that use them.
 
-This module holds those by which `solve` chooses an engine, verifies its answer and bounds it.
+Those of the model are a `Parameters`, which a plan holds (`make_plan`). Those by which `solve`
+chooses an engine, verifies its answer and bounds it are in this module, and no plan changes them.
 """
 
 from __future__ import annotations
@@ -34,10 +35,12 @@ from .model import (
 
 __all__ = [
     "DEFAULTS",
+    "ENGINE",
     "Anchors",
     "ContactShift",
     "Corrections",
     "ElongationBounds",
+    "EngineConstants",
     "ErrorEstimate",
     "JoinedPairs",
     "LawChoice",
@@ -230,8 +233,18 @@ class RunTimes:
 
 
 @dataclass(frozen=True)
+class EngineConstants:
+    """All constants of the engines, in groups."""
+
+    anchors: Anchors = field(default_factory=Anchors)
+    parts: Parts = field(default_factory=Parts)
+    run_times: RunTimes = field(default_factory=RunTimes)
+    pixel_uncertainty: PixelUncertainty = field(default_factory=PixelUncertainty)
+
+
+@dataclass(frozen=True)
 class Parameters:
-    """All constants of one run, in groups."""
+    """All constants of the model, in groups."""
 
     segmentation: Segmentation = field(default_factory=Segmentation)
     pixel_waves: PixelWaves = field(default_factory=PixelWaves)
@@ -247,12 +260,11 @@ class Parameters:
     law_choice: LawChoice = field(default_factory=LawChoice)
     limits: Limits = field(default_factory=Limits)
     error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
-    anchors: Anchors = field(default_factory=Anchors)
-    parts: Parts = field(default_factory=Parts)
-    run_times: RunTimes = field(default_factory=RunTimes)
-    pixel_uncertainty: PixelUncertainty = field(default_factory=PixelUncertainty)
     corrections: Corrections = field(default_factory=Corrections)
 
 
 DEFAULTS = Parameters()
-"""The constants that results are judged with."""
+"""The constants of the model that results are judged with."""
+
+ENGINE = EngineConstants()
+"""The constants of the engines."""

@@ -20,7 +20,7 @@ from asperity.errors import Flag
 from asperity.interaction.population import PopulationState
 from asperity.microcontact.basin_bem.press import EXPECTED_ERROR
 from asperity.model.decomposition import Decomposition
-from asperity.parameters import DEFAULTS, ErrorEstimate
+from asperity.parameters import ErrorEstimate
 from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 
@@ -184,7 +184,7 @@ def nonrandomness(hm: HeightMap) -> float:
 def estimate(
     values: dict[str, Array],
     weights: tuple[float, ...],
-    fitted: ErrorEstimate = DEFAULTS.error_estimate,
+    fitted: ErrorEstimate,
     plastic_share: Array | float = 0.0,
 ) -> Array:
     """Error estimates of n load points, shape (n,), of which nine in ten are not exceeded: weighted

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from asperity.halfspace.material import HalfSpace
-from asperity.parameters import DEFAULTS
+from asperity.model.plan import Plan
+from asperity.parameters import ENGINE
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import halved_intervals, interpolated_misfit, log_ratio
 from surfaces.arrays import Array, Index
@@ -40,7 +41,7 @@ ReferenceSolver = Callable[[Array, float], ContactCurve]
 """Function of load points and of a share of the accuracy asked for: solves these points by boundary
 elements within that share."""
 
-ANCHORS = DEFAULTS.anchors
+ANCHORS = ENGINE.anchors
 
 PRIOR_SHARE = np.array([ANCHORS.prior_share]).T
 YIELDED_SHARE = np.array([ANCHORS.yielded_share]).T
@@ -76,34 +77,37 @@ class Accuracy:
 
 
 def anchored(
-    hm: HeightMap, material: HalfSpace, model: ContactCurve, solver: Callable[..., ContactCurve]
+    hm: HeightMap,
+    material: HalfSpace,
+    plan: Plan,
+    model: ContactCurve,
+    solver: Callable[..., ContactCurve],
 ) -> ContactCurve:
     """`verified` with the default accuracy, by boundary elements such as `bem_curve`."""
     ((name, given),) = model.asked.items()
     kind = name.removeprefix("asked_")
     values, first, place = np.unique(given, return_index=True, return_inverse=True)
-    begun = time.perf_counter()
-
-    asked, boundary = Accuracy(), model.settings["boundary"]
+    begun, asked = time.perf_counter(), Accuracy()
 
     def judge(at: Array, share: float) -> ContactCurve:
         loads: dict[str, Any] = {f"{kind}s": at}
-        return solver(hm, material, **loads, accuracy=asked.times(share), boundary=boundary)
+        return solver(hm, material, **loads, accuracy=asked.times(share), boundary=plan.boundary)
 
-    curve = verified(hm, model.select(first), kind, values, judge, asked).select(place)
+    curve = verified(hm, plan, model.select(first), kind, values, judge, asked).select(place)
     seconds = {**model.seconds, "verification": time.perf_counter() - begun}
     return replace(curve, seconds=seconds)
 
 
 def verified(
     hm: HeightMap,
+    plan: Plan,
     model: ContactCurve,
     kind: str,
     values: Array,
     judge: ReferenceSolver,
     accuracy: Accuracy,
 ) -> ContactCurve:
-    """Anchor a curve of the model, of n load points, until its bounds are within the accuracy.
+    """Anchor the curve of a plan, of n load points, until its bounds are within the accuracy.
 
     `kind` is "pressure" or "separation", and `values` (n,) are the load points asked for. `judge`
     solves load points by boundary elements on the grid of the map. In the curve returned,
@@ -126,7 +130,7 @@ def verified(
         return judge(values, 1.0)
     position = np.log(model.mean_pressure[points])
     prior, plastic = _prior_estimates(model, points)
-    first = ANCHORS.first[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
+    first = ANCHORS.first[not random_map(hm, plan.parameters.pixel_waves.kurtosis)]
     scatter = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
     solved = solved_points(judge, values, others, 1.0)

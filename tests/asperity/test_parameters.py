@@ -11,16 +11,16 @@ from pathlib import Path
 
 import pytest
 
-from asperity.parameters import DEFAULTS
+from asperity.parameters import DEFAULTS, ENGINE
 
 ROWS = Path(__file__).parents[2] / "docs" / "development" / "sensitivity.csv"
-GROUPS = [group.name for group in fields(DEFAULTS)]
+GROUPS = {**vars(DEFAULTS), **vars(ENGINE)}
 
 
 def entries(group: str) -> dict[tuple[str, ...], str]:
     """Names of the constants of each entry in the docstring of a group, and what it says."""
     found: dict[tuple[str, ...], str] = {}
-    for line in (inspect.getdoc(type(getattr(DEFAULTS, group))) or "").splitlines():
+    for line in (inspect.getdoc(type(GROUPS[group])) or "").splitlines():
         if re.fullmatch(r"[a-z_]+(, [a-z_]+)*", line):
             names = tuple(line.split(", "))
             found[names] = ""
@@ -32,7 +32,7 @@ def entries(group: str) -> dict[tuple[str, ...], str]:
 @pytest.mark.parametrize("group", GROUPS)
 def test_every_constant_is_described(group):
     described = {name for names in entries(group) for name in names}
-    assert described == {field.name for field in fields(getattr(DEFAULTS, group))}
+    assert described == {field.name for field in fields(GROUPS[group])}
 
 
 def test_the_sensitivities_are_those_of_the_table():

@@ -10,7 +10,7 @@ import numpy as np
 
 from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import ROUND, Interaction
-from asperity.parameters import DEFAULTS, ContactShift
+from asperity.parameters import ContactShift
 from surfaces.arrays import Array
 
 from .contact_shift import contact_shifts
@@ -30,9 +30,9 @@ class Problem:
     height: Array
     laws: Laws
     coupling: Interaction
+    fitted: ContactShift
     contact_shift: bool = False
     elongation: Elongation | None = None
-    fitted: ContactShift = DEFAULTS.contact_shift
 
     @functools.cached_property
     def radii(self) -> Array:

@@ -20,6 +20,7 @@ from asperity.parameters import DEFAULTS
 
 EXPONENTS = (-0.3, 0.0, 0.5)
 CELL = (1.0, 1.4)
+BOUNDS = DEFAULTS.elongation
 
 
 def principal(tensor):
@@ -31,7 +32,7 @@ def principal(tensor):
 
 def of(ratio, angle, m=0.0):
     """Elongation of one summit."""
-    return Elongation.of(np.array([[ratio, 1.0]]), np.array([angle]), Footprints(1.0, m))
+    return Elongation.of(np.array([[ratio, 1.0]]), np.array([angle]), Footprints(1.0, m), BOUNDS)
 
 
 @pytest.mark.parametrize("m", EXPONENTS)
@@ -48,7 +49,7 @@ def test_an_elongated_footprint_keeps_the_compliance_of_its_contact(m, ratio):
     large, small, angle = principal(of(ratio, 0.6, m).moments[0])
     assert angle == pytest.approx(0.6)
     hertz = elliptic_contact(ratio, 1.0, 1.0, HalfSpace.from_modulus(1.0, m=m))
-    exact = min(float(hertz.semi_major / hertz.semi_minor), DEFAULTS.elongation.aspect)
+    exact = min(float(hertz.semi_major / hertz.semi_minor), BOUNDS.aspect)
     assert np.sqrt(large / small) == pytest.approx(exact, rel=1e-5)
     theta = np.linspace(0, np.pi, 4001)[:-1]
     square = large * np.cos(theta) ** 2 + small * np.sin(theta) ** 2
@@ -59,7 +60,7 @@ def test_an_elongated_footprint_keeps_the_compliance_of_its_contact(m, ratio):
 def test_a_contact_leans_less_across_and_not_much_more_along():
     large, small, angle = principal(of(4.0, -0.4).radii[0])
     assert angle == pytest.approx(-0.4)
-    assert large == DEFAULTS.elongation.radius
+    assert large == BOUNDS.radius
     # Hertz: the radii of curvature have the ratio of the curvatures
     free = of(1.5, 0.0).radii[0]
     assert free[1] / free[0] == pytest.approx(1.5, rel=0.03)
@@ -116,7 +117,7 @@ def test_moments_are_the_adjoint_of_the_gradient(boundary):
     f, rng = Footprints(2.0), np.random.default_rng(0)
     n, variance = len(y), np.full(len(y), 2e-4)
     form = Elongation.of(
-        np.stack((rng.uniform(1, 20, n), np.ones(n)), 1), rng.uniform(-1.5, 1.5, n), f
+        np.stack((rng.uniform(1, 20, n), np.ones(n)), 1), rng.uniform(-1.5, 1.5, n), f, BOUNDS
     ).moments
     plan = Interaction(y, x, CELL, boundary, f, form=form, widest=2e-4)
     force, p = rng.uniform(0.2, 1.0, n), rng.normal(size=(n, 2))
@@ -135,13 +136,14 @@ def test_a_turned_scene_carries_the_same():
         shape = np.tile([6.0, 1.0], (len(y), 1))
         angle = np.full(len(y), 0.3 - (np.pi / 2 if turned else 0.0))
         widest = f.variance(table.stiffness[:, -1]).max()
-        long = Elongation.of(shape, angle, f)
+        long = Elongation.of(shape, angle, f, BOUNDS)
         how = {"form": long.moments, "widest": widest}
         plan = Interaction(here, there, (1.0, 1.0), "periodic", f, **how)
         problem = Problem(
             height[plan.order],
             Laws(table, f).rows(plan.order),
             plan,
+            DEFAULTS.contact_shift,
             True,
             long.rows(plan.order),
         )

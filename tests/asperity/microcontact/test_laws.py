@@ -67,7 +67,7 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
         return table
 
     monkeypatch.setattr(ellipse, "tabulate", without)
-    table = laws.tabulate_auto(profiles, STEEL)
+    table = laws.tabulate_auto(profiles, STEEL, LawChoice())
     other = tabulate_ritz(profiles, STEEL)
     assert (table.reach[lost] > 0).all()
     np.testing.assert_array_equal(table.force[lost], other.force[lost])
@@ -134,7 +134,7 @@ def test_a_level_tip_without_a_polynomial_has_the_harmonic_law(monkeypatch):
 
     monkeypatch.setattr(ellipse, "tabulate", without)
     tip.valid[:] = True
-    table = laws.tabulate_auto(tip, STEEL)
+    table = laws.tabulate_auto(tip, STEEL, LawChoice())
     depth = table.reach[0] * np.array([0.01, 0.05, 0.2])
     force = table.evaluate(np.zeros(3, np.int64), depth)[0]
     exact = asperity.indent(surfaces.PowerLawProfile(4, 1e-9), STEEL, depth).force

@@ -13,7 +13,7 @@ from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
 from asperity.model.plan import make_plan
-from asperity.parameters import DEFAULTS, Segmentation
+from asperity.parameters import DEFAULTS, ENGINE, Segmentation
 from surfaces import HeightMap, self_affine
 
 STEEL = HalfSpace.from_modulus(2e11)
@@ -103,6 +103,13 @@ def test_a_plan_of_the_map_itself_is_not_used_for_another_map_or_material(rough)
 def test_loads_in_the_place_of_a_plan(rough):
     with pytest.raises(InputError, match=r"plan is a list; make one with asperity\.make_plan"):
         solve_contacts(rough, STEEL, [1e8])
+
+
+@pytest.mark.parametrize("given", [ENGINE, ENGINE.anchors, DEFAULTS.limits, {"limits": 1}, None])
+def test_only_constants_of_the_model_belong_to_a_plan(rough, given):
+    said = rf"parameters is of type {type(given).__name__}; give .*asperity\.parameters\.Parameters"
+    with pytest.raises(InputError, match=said):
+        make_plan(rough, STEEL, parameters=given)
 
 
 def test_what_does_not_fit_into_the_memory_is_refused(rough, monkeypatch):

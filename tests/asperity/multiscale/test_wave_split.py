@@ -42,7 +42,7 @@ def test_share_of_the_slope_lost_over_two_pixels(ny, nx):
 
 def test_the_finer_grid_holds_the_same_waves():
     for hm in (wavy(), dataclasses.replace(wavy(), periodic=False)):
-        fine = refined_map(hm)
+        fine = refined_map(hm, DEFAULTS)
         assert isinstance(fine, HeightMap)
         assert fine.shape == tuple(2 * n for n in hm.shape)
         assert fine.periodic == hm.periodic
@@ -52,7 +52,7 @@ def test_the_finer_grid_holds_the_same_waves():
 
 def test_only_where_waves_reach_the_pixel():
     for cutoff in (4.0, 8.0):
-        assert refined_map(wavy(cutoff=cutoff)) is None
+        assert refined_map(wavy(cutoff=cutoff), DEFAULTS) is None
 
 
 def test_large_maps_are_refined_less_and_it_is_said():
@@ -86,7 +86,7 @@ def test_nearer_to_boundary_elements_than_on_the_map_itself():
 
 
 def test_the_map_is_the_band_of_longer_waves(rough):
-    split = split_scales(rough, STEEL)
+    split = split_scales(rough, STEEL, DEFAULTS)
     (coarse, corner), fine = split.coarse, split.law
     shell = 1 / max(rough.size)
     edge = 1 / (1 / fine.shortest + 0.5 * shell)
@@ -105,7 +105,7 @@ def test_a_point_of_the_other_grid_is_the_highest_of_the_map(rough):
     corners = []
     for turn in (0, 17):
         hm = rough.replace(heights=np.roll(rough.heights, (turn, -2 * turn), (0, 1)))
-        coarse, corner = split_scales(hm, STEEL).coarse
+        coarse, corner = split_scales(hm, STEEL, DEFAULTS).coarse
         top = [(n + 0.5) * step for n, step in zip(hm.roughness.summit, hm.spacing, strict=True)]
         at = (np.array(top) - corner) / coarse.spacing - 0.5
         np.testing.assert_allclose(at, np.round(at), atol=1e-9)
@@ -129,7 +129,7 @@ def sums(hm: HeightMap, body) -> tuple[float, float]:
 @pytest.mark.parametrize("m", [0.0, 0.3, -0.3])
 def test_pressure_and_energy_are_those_of_the_waves_left_out(m):
     hm, body = broad(), asperity.HalfSpace.from_modulus(2e11, m=m)
-    split = split_scales(hm, body)
+    split = split_scales(hm, body, DEFAULTS)
     coarse, fine = split.coarse.hm, split.law
     (whole, stored), (longer, held) = (sums(map_, body) for map_ in (hm, coarse))
     assert fine.variance == pytest.approx(whole - longer, rel=1e-6)
@@ -139,7 +139,7 @@ def test_pressure_and_energy_are_those_of_the_waves_left_out(m):
 
 def test_a_free_map_is_taken_with_its_mirror_images(rough):
     free = dataclasses.replace(rough, periodic=False)
-    split = split_scales(free, STEEL)
+    split = split_scales(free, STEEL, DEFAULTS)
     coarse, fine = split.coarse.hm, split.law
     assert split.coarse.corner == (0.0, 0.0)
     mirrored, smooth = (
@@ -152,7 +152,7 @@ def test_a_free_map_is_taken_with_its_mirror_images(rough):
     band = surfaces.resample(surfaces.bandpass(mirrored, shortest=edge), smooth.spacing)
     ny, nx = coarse.shape
     np.testing.assert_allclose(coarse.heights, band.heights[:ny, :nx], atol=1e-9 * rough.rms_height)
-    periodic = split_scales(rough, STEEL)
+    periodic = split_scales(rough, STEEL, DEFAULTS)
     assert fine.variance == pytest.approx(periodic.law.variance, rel=0.1)
 
 
@@ -163,10 +163,10 @@ def test_waves_between_two_shells_are_told_apart_alike_in_any_unit(shape):
     size = tuple(1e-6 * n for n in shape)
     hm = self_affine(shape, size, hurst=0.8, rms_slope=0.1, rolloff=6e-5, seed=5)
     hm = dataclasses.replace(hm, periodic=False)
-    first = split_scales(hm, STEEL)
+    first = split_scales(hm, STEEL, DEFAULTS)
     for unit in (0.3, 1.1, 3.7, 1e3, 1e6):
         scaled = HeightMap(unit * hm.heights, tuple(unit * d for d in hm.spacing))
-        split = split_scales(scaled, STEEL)
+        split = split_scales(scaled, STEEL, DEFAULTS)
         np.testing.assert_allclose(
             split.coarse.hm.heights / unit, first.coarse.hm.heights, atol=1e-9 * hm.rms_height
         )
@@ -179,8 +179,8 @@ def test_waves_between_two_shells_are_told_apart_alike_in_any_unit(shape):
 
 
 def test_the_law_does_not_jump_at_a_homogeneous_body_(rough):
-    plain = split_scales(rough, STEEL).law
-    near = split_scales(rough, asperity.HalfSpace.from_modulus(2e11, m=1e-7)).law
+    plain = split_scales(rough, STEEL, DEFAULTS).law
+    near = split_scales(rough, asperity.HalfSpace.from_modulus(2e11, m=1e-7), DEFAULTS).law
     for name in ("shortest", "spread", "energy", "variance", "ratio"):
         assert getattr(near, name) == pytest.approx(getattr(plain, name), rel=1e-5)
     assert near.lift(1e-8, 0.1) == pytest.approx(plain.lift(1e-8, 0.1), rel=1e-6)
@@ -188,7 +188,7 @@ def test_the_law_does_not_jump_at_a_homogeneous_body_(rough):
 
 def test_maps_that_keep_all_their_summits():
     def why(hm, body=STEEL):
-        found = split_scales(hm, body)
+        found = split_scales(hm, body, DEFAULTS)
         assert isinstance(found, str)
         return found
 
@@ -212,10 +212,10 @@ def test_no_wave_shorter_than_three_pixels_is_kept():
     """A spectrum that is not broad is cut there if it holds much beyond, else not at all."""
     for hurst in (0.6, 0.7):
         hm = broad(rolloff=2.9e-5, hurst=hurst, cutoff=2.2e-6)
-        kept = split_scales(hm, STEEL).law.shortest / max(hm.spacing)
+        kept = split_scales(hm, STEEL, DEFAULTS).law.shortest / max(hm.spacing)
         assert 3.0 <= kept < 3.1
     for hurst, cutoff, rolloff in ((0.8, 2.2e-6, 2.9e-5), (0.9, 2.2e-6, 2.9e-5), (0.8, 3e-6, 6e-5)):
-        found = split_scales(broad(rolloff=rolloff, hurst=hurst, cutoff=cutoff), STEEL)
+        found = split_scales(broad(rolloff=rolloff, hurst=hurst, cutoff=cutoff), STEEL, DEFAULTS)
         assert isinstance(found, str) and "narrow" in found
 
 
@@ -224,8 +224,10 @@ def test_without_a_rolloff_enough_waves_are_kept(hurst):
     """The longest waves make a spectrum as broad as one likes, and all others would be short."""
     hm = broad(hurst=hurst, rolloff=None)
     side = np.sqrt(hm.area)
-    assert side / split_scales(hm, STEEL).law.shortest == pytest.approx(50, rel=0.02)
-    assert "too few waves" in split_scales(broad(hurst=hurst, rolloff=None, cutoff=5e-6), STEEL)
+    assert side / split_scales(hm, STEEL, DEFAULTS).law.shortest == pytest.approx(50, rel=0.02)
+    assert "too few waves" in split_scales(
+        broad(hurst=hurst, rolloff=None, cutoff=5e-6), STEEL, DEFAULTS
+    )
 
 
 def test_the_longer_waves_keep_some_of_the_slope():

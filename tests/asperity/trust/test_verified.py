@@ -10,6 +10,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.errors import InputError
+from asperity.parameters import DEFAULTS
 from asperity.trust.verified import Accuracy, verified
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
@@ -44,7 +45,8 @@ def test_boundary_elements_correct_what_has_yielded(rough):
     """Between the anchors too: a conductance follows from the stiffness of unloading."""
     soft = asperity.HalfSpace(210e9, 0.3, hardness=1.2e10)
     exact = asperity.bem_curve(rough, soft, pressures=LOADS, tolerance=1e-4)
-    model = asperity.contact_curve(rough, soft, pressures=LOADS)
+    plan = asperity.make_plan(rough, soft, pressures=LOADS)
+    model = asperity.contact_curve(rough, soft, pressures=LOADS, plan=plan)
     off = {"plastic_share": 1.4, "unloading_stiffness": 0.9}
     model = dataclasses.replace(
         model, extra={**model.extra, **{name: k * exact.extra[name] for name, k in off.items()}}
@@ -53,7 +55,7 @@ def test_boundary_elements_correct_what_has_yielded(rough):
     def judge(values, share):
         return exact.select(np.searchsorted(LOADS, values))
 
-    found = verified(rough, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
+    found = verified(rough, plan, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
     between = ~found.extra["anchor"]
     assert between.any()
     stiffness = found.extra["unloading_stiffness"] / exact.extra["unloading_stiffness"]
@@ -66,7 +68,8 @@ def test_boundary_elements_correct_what_has_yielded(rough):
 def test_a_correction_beyond_the_estimate_is_not_trusted(rough):
     """The area of a contact that has yielded is known from its load, whatever it was before."""
     exact = asperity.bem_curve(rough, STEEL, pressures=LOADS, tolerance=1e-4)
-    model = asperity.contact_curve(rough, STEEL, pressures=LOADS)
+    plan = asperity.make_plan(rough, STEEL, pressures=LOADS)
+    model = asperity.contact_curve(rough, STEEL, pressures=LOADS, plan=plan)
     known = np.array([0, 0, 1, 0, 0, 1, 0], dtype=bool)
     told = {**model.extra, "area_error_estimate": np.where(known, 0.01, 0.4)}
     area = exact.contact_area * np.where(known, 1.0, 0.7)
@@ -75,10 +78,29 @@ def test_a_correction_beyond_the_estimate_is_not_trusted(rough):
     def judge(values, share):
         return exact.select(np.searchsorted(LOADS, values))
 
-    found = verified(rough, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
+    found = verified(rough, plan, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
     assert not found.extra["anchor"][known].any()
     off = np.abs(np.log(found.contact_area / exact.contact_area))
     assert (off <= found.extra["area_error_estimate"]).all()
+
+
+def test_anchors_heed_the_constants_of_the_plan(rough):
+    """A map whose waves the plan does not take for random gets more anchors to begin with."""
+    count = []
+    for kurtosis in (1.0, 0.0):
+        waves = dataclasses.replace(DEFAULTS.pixel_waves, kurtosis=kurtosis)
+        chosen = dataclasses.replace(DEFAULTS, pixel_waves=waves)
+        plan = asperity.make_plan(rough, STEEL, pressures=LOADS, scales="all", parameters=chosen)
+        model = asperity.contact_curve(rough, STEEL, pressures=LOADS, plan=plan)
+
+        def judge(values, share, model=model):
+            told = {**model.extra, "area_error_estimate": 0.0 * LOADS}
+            exact = dataclasses.replace(model, error_estimate=0.0 * LOADS, extra=told)
+            return exact.select(np.searchsorted(LOADS, values))
+
+        found = verified(rough, plan, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
+        count.append(int(found.extra["anchor"].sum()))
+    assert count == [3, 5]
 
 
 def test_verify_is_a_function(rough):

@@ -90,7 +90,7 @@ def test_gain_of_a_sphere_on_a_slope(m):
     y, x = np.array([0.0, 30.0]), np.array([0.0, 40.0])
     plan = Interaction(y, x, (100.0, 120.0), "free", f, widest=1.0)
     laws = Laws(table, f)
-    problem = Problem(np.zeros(2), laws.rows(plan.order), plan, contact_shift=True)
+    problem = Problem(np.zeros(2), laws.rows(plan.order), plan, FITTED, contact_shift=True)
     state = State(problem, np.array([0.05, 0.5])[plan.order], np.zeros((2, 2)))
     gained = np.empty(2)
     gained[plan.order] = state.gain - state.field.moved - state.field.longer
@@ -104,7 +104,9 @@ def test_a_lone_contact_does_not_move():
     f = Footprints(1.0)
     table = HertzTable(np.array([1.0]), np.array([1.0]))
     plan = Interaction(np.array([0.3]), np.array([0.4]), CELL, "periodic", f)
-    problem = Problem(np.zeros(1), Laws(table, f).rows(plan.order), plan, contact_shift=True)
+    problem = Problem(
+        np.zeros(1), Laws(table, f).rows(plan.order), plan, FITTED, contact_shift=True
+    )
     state = State(problem, np.array([1e-3]), np.zeros((1, 2)))
     assert abs((state.gain - state.field.moved)[0]) < 1e-6 * 1e-3
 
@@ -118,7 +120,7 @@ def test_deflection_raises_the_load(m):
     laws = Laws(table, f).rows(plan.order)
     still, moving = (
         descend(
-            Problem(height[plan.order], laws, plan, contact_shift),
+            Problem(height[plan.order], laws, plan, FITTED, contact_shift),
             0.01,
             np.zeros(196),
             tolerance=1e-4,

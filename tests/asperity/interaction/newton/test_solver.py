@@ -15,6 +15,7 @@ from asperity.interaction.newton import solver
 from asperity.interaction.newton.laws import Laws
 from asperity.interaction.newton.state import Problem, State
 from asperity.interaction.newton.step import conjugate_gradients
+from asperity.parameters import DEFAULTS
 
 CELL = (1.0, 1.4)
 
@@ -24,7 +25,9 @@ def make(n, *, m=0.0, boundary="periodic", seed=0, filling=0.3, apart=False):
     f = Footprints(1.0, m)
     widest = f.variance(table.stiffness[:, -1]).max()
     plan = Interaction(y, x, CELL, boundary, f, widest=widest)
-    return Problem(height[plan.order], Laws(table, f).rows(plan.order), plan)
+    return Problem(
+        height[plan.order], Laws(table, f).rows(plan.order), plan, DEFAULTS.contact_shift
+    )
 
 
 def reach(laws):
@@ -112,7 +115,7 @@ def test_two_spheres_follow_the_interacting_hertz_expansion(distance):
     y, x = np.array([0.0, 0.6 * distance * a0]), np.array([0.0, 0.8 * distance * a0])
     f = Footprints(1.0)
     plan = Interaction(y, x, (50.0, 60.0), "free", f, widest=f.variance(2 * a0))
-    problem = Problem(np.full(2, d0), Laws(table, f), plan)
+    problem = Problem(np.full(2, d0), Laws(table, f), plan, DEFAULTS.contact_shift)
     solution = descend(problem, 0.0, np.full(2, 0.5 * d0), tolerance=1e-9)
     d = d0
     for _ in range(200):

@@ -91,6 +91,7 @@ def test_joined_summits_have_the_form_of_their_contact():
         decomposition.summits.curvature,
         decomposition.summits.angle,
         decomposition.population.footprints,
+        DEFAULTS.elongation,
     )
     across, along, skew = decomposition.population.elongation.moments[0]
     assert along > 1.5 * highest.moments[0, 1] and across < highest.moments[0, 0]
