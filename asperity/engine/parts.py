@@ -83,10 +83,7 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
 
 def sampled(
     hm: HeightMap,
-    plan: Plan,
     run: ContactRun,
-    kind: str,
-    values: Array,
     judge: ReferenceSolver | None,
     accuracy: Accuracy,
     progress: Callable[[SolvedLoad], object],
@@ -97,8 +94,6 @@ def sampled(
     ----------
     hm
         The map, for which `can_sample` holds.
-    kind, values
-        "pressure" or "separation", and the load points asked for, shape (n,).
     judge
         Boundary elements on the whole map. They solve the load points whose bounds from the parts
         exceed those asked for, or all if these are more than half. None: all load points keep the
@@ -113,6 +108,7 @@ def sampled(
     carry the load (docs/development/verification.md).
     """
     model = run.curve
+    (values,) = model.asked.values()
     points = answered(model)
     nodes = np.unique(np.linspace(0, len(points) - 1, PARTS.loads).astype(np.int64))
     at, scatter = points[nodes], pixel_scatter(hm, model)[points]
@@ -122,7 +118,7 @@ def sampled(
     among, solved_map = run.decomposition.law_factory.shares, run.decomposition.solved
     # load shares of contacts are those of the whole map, on which the parts get their laws
     lower = solved_map.roughness.mean - hm.roughness.mean
-    plan = replace(plan, among=among and among.lowered(lower))
+    plan = replace(run.decomposition.plan, among=among and among.lowered(lower))
     shares = _load_shares(run, parts_along(hm, plan.solved(hm)))[:, at]
     solved: Solved = {}
 
@@ -140,7 +136,7 @@ def sampled(
             bounds[:] = np.nan
         else:
             on_whole(left & ~np.isin(at, list(solved)))
-            misfit[:, left] = misfit_at(model, kind, at[left], solved)
+            misfit[:, left] = misfit_at(model, at[left], solved)
             # the floor stays, for the loads between those that are solved on the whole map
             bounds[:, left] = np.maximum(bounds_at(at[left], solved), floor[:, left])
     position = np.log(model.mean_pressure[points])
@@ -155,7 +151,7 @@ def sampled(
         rest = np.setdiff1d(np.arange(len(model)), [*met, *solved])
         solved |= solved_points(judge, values, rest, 1.0)
     bounds[1] += scatter
-    return corrected(hm, model, kind, points, np.nan_to_num(misfit), bounds, solved)
+    return corrected(hm, model, points, np.nan_to_num(misfit), bounds, solved)
 
 
 def _within(bounds: Array, scatter: Array, allowed: Array) -> Mask:

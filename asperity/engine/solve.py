@@ -168,7 +168,7 @@ def solve(
         if choice.engine == "model":
             curve = _marked(run.curve, False)
         elif choice.engine != "bem":
-            curve = scene.checked(choice, run, values, asked)
+            curve = scene.checked(choice, run, asked)
         if curve is None:
             curve = scene.exact(values, asked.times(1.0))
         if choice.engine in ("anchored", "sampled") and curve.extra["anchor"].all():
@@ -280,22 +280,18 @@ class _Scene:
         """Whether boundary elements of the whole map fit into memory."""
         return fits(self.hm.shape, self.boundary, 1)
 
-    def checked(
-        self, choice: _Choice, run: ContactRun, values: Array, asked: Accuracy
-    ) -> ContactCurve | None:
+    def checked(self, choice: _Choice, run: ContactRun, asked: Accuracy) -> ContactCurve | None:
         """The curve of the model, corrected and bounded by the chosen engine; None if a few anchors
         cannot suffice."""
 
         def judge(at: Array, share: float) -> ContactCurve:
             return self.exact(at, asked.times(share))
 
-        if choice.engine == "anchored" or choice.plan is None:
+        if choice.engine == "anchored":
             if not anchors_suffice(run.curve, asked):
                 return None
-            plan = run.decomposition.plan
-            return verified(self.hm, plan, run.curve, self.kind, values, judge, asked)
-        whole = judge if self.fits else None
-        return sampled(self.hm, choice.plan, run, self.kind, values, whole, asked, self.solved)
+            return verified(self.hm, run.decomposition.plan, run.curve, judge, asked)
+        return sampled(self.hm, run, judge if self.fits else None, asked, self.solved)
 
     def exact(self, values: Array, accuracy: tuple[float, float]) -> ContactCurve:
         """Boundary elements on the grid of the map, within errors of load and area."""

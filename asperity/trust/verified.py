@@ -86,31 +86,24 @@ def anchored(
     """`verified` with the default accuracy, by boundary elements such as `bem_curve`."""
     ((name, given),) = model.asked.items()
     kind = name.removeprefix("asked_")
-    values, first, place = np.unique(given, return_index=True, return_inverse=True)
+    _, first, place = np.unique(given, return_index=True, return_inverse=True)
     begun, asked = time.perf_counter(), Accuracy()
 
     def judge(at: Array, share: float) -> ContactCurve:
         loads: dict[str, Any] = {f"{kind}s": at}
         return solver(hm, material, **loads, accuracy=asked.times(share), boundary=plan.boundary)
 
-    curve = verified(hm, plan, model.select(first), kind, values, judge, asked).select(place)
+    curve = verified(hm, plan, model.select(first), judge, asked).select(place)
     seconds = {**model.seconds, "verification": time.perf_counter() - begun}
     return replace(curve, seconds=seconds)
 
 
 def verified(
-    hm: HeightMap,
-    plan: Plan,
-    model: ContactCurve,
-    kind: str,
-    values: Array,
-    judge: ReferenceSolver,
-    accuracy: Accuracy,
+    hm: HeightMap, plan: Plan, model: ContactCurve, judge: ReferenceSolver, accuracy: Accuracy
 ) -> ContactCurve:
     """Anchor the curve of a plan, of n load points, until its bounds are within the accuracy.
 
-    `kind` is "pressure" or "separation", and `values` (n,) are the load points asked for. `judge`
-    solves load points by boundary elements on the grid of the map. In the curve returned,
+    `judge` solves load points by boundary elements on the grid of the map. In the curve returned,
     `error_estimate` and `extra["area_error_estimate"]` are bounds, and `extra["anchor"]` marks the
     points that the judge solved.
 
@@ -124,6 +117,7 @@ def verified(
     accuracy, anchors are added. Boundary elements also solve the points where the model has no
     answer. If they solve all points, they do so to the accuracy asked for, not to a part of it.
     """
+    (values,) = model.asked.values()
     points = answered(model)
     others = np.setdiff1d(np.arange(len(model)), points)
     if (count := len(points)) < ANCHORS.least_loads:
@@ -148,7 +142,7 @@ def verified(
             held = np.flatnonzero(np.isin(points, list(solved)))
             anchors = np.union1d(held, [0, count - 1])
             continue
-        known = misfit_at(model, kind, points[anchors], solved)
+        known = misfit_at(model, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
         floors = prior * np.maximum(PRIOR_SHARE + plastic, broken if broken > 1.0 else 0.0)
         load, load_bound = interpolated_misfit(position, anchors, known[0], floors[0])
@@ -165,7 +159,7 @@ def verified(
         anchors = halved_intervals(anchors, over) if few else np.arange(count)
     beside = [np.interp(position, position[anchors], row) for row in known[2:]]
     misfit = np.array([load, area, *beside])
-    return corrected(hm, model, kind, points, misfit, bounds, solved)
+    return corrected(hm, model, points, misfit, bounds, solved)
 
 
 def answered(model: ContactCurve) -> Index:
@@ -231,7 +225,7 @@ def _column(solved: Solved, points: Index, name: str) -> Array:
     return np.array([float({**vars(one), **one.extra}[name][0]) for one in curves])
 
 
-def misfit_at(model: ContactCurve, kind: str, points: Index, solved: Solved) -> Array:
+def misfit_at(model: ContactCurve, points: Index, solved: Solved) -> Array:
     """Logarithms of model over boundary elements, shape (4 or 6, k): load at equal separation;
     area, number of spots and stiffness at equal load; with a hardness also `YIELDED_COLUMNS`."""
 
@@ -245,7 +239,7 @@ def misfit_at(model: ContactCurve, kind: str, points: Index, solved: Solved) -> 
         np.subtract(*(np.log(np.maximum(count, 1)) for count in spots)),
         *(log_ratio(each[points], _column(solved, points, name)) for name, each in told.items()),
     ]
-    if kind == "pressure":
+    if "asked_pressure" in model.asked:
         apart = model.separation[points] - _column(solved, points, "separation")
         return np.array([_rate(model, points) * apart, ratio("contact_area"), *beside])
     load = ratio("mean_pressure")
@@ -271,7 +265,6 @@ def _growth(model: ContactCurve, points: Index) -> Array:
 def corrected(
     hm: HeightMap,
     model: ContactCurve,
-    kind: str,
     points: Index,
     misfit: Array,
     bounds: Array,
@@ -289,7 +282,7 @@ def corrected(
     for values, off in zip(extra.values(), beside, strict=True):
         values[points] *= np.exp(-off)
     told = extra["area_error_estimate"] = np.zeros(len(model))
-    if kind == "pressure":
+    if "asked_pressure" in model.asked:
         columns["separation"][points] -= load / _rate(model, points)
         columns["contact_area"][points] *= np.exp(-area)
     else:

@@ -88,8 +88,7 @@ def test_an_error_of_the_model_is_found_and_corrected():
     plan = asperity.make_plan(hm, BODY, pressures=loads, law="hertz")
     run, true = asperity.solve_contacts(hm, BODY, plan, pressures=loads), truth(hm, BODY, loads)
     assert off(run.curve, true)[0].max() > 0.15
-    asked = "pressure", loads, None, Accuracy()
-    curve = parts.sampled(hm, plan, run, *asked, progress=lambda _: None)
+    curve = parts.sampled(hm, run, None, Accuracy(), progress=lambda _: None)
     assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
     assert off(curve, true)[0].max() < 0.4 * off(run.curve, true)[0].max()
 
@@ -114,8 +113,7 @@ def test_the_model_answers_on_a_part_as_on_the_whole(monkeypatch):
 
     areas = run.curve.area_fraction
     monkeypatch.setattr(parts, "PartMisfit", lambda *_: answered)
-    asked = "pressure", loads, None, Accuracy()
-    parts.sampled(hm, plan, run, *asked, progress=lambda _: None)
+    parts.sampled(hm, run, None, Accuracy(), progress=lambda _: None)
     assert len(found) >= part_misfit.PARTS.alike
     assert np.abs(np.concatenate(found)).max() < 0.01
 

@@ -55,7 +55,7 @@ def test_boundary_elements_correct_what_has_yielded(rough):
     def judge(values, share):
         return exact.select(np.searchsorted(LOADS, values))
 
-    found = verified(rough, plan, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
+    found = verified(rough, plan, model, judge, Accuracy(1.0, 1.0))
     between = ~found.extra["anchor"]
     assert between.any()
     stiffness = found.extra["unloading_stiffness"] / exact.extra["unloading_stiffness"]
@@ -78,7 +78,7 @@ def test_a_correction_beyond_the_estimate_is_not_trusted(rough):
     def judge(values, share):
         return exact.select(np.searchsorted(LOADS, values))
 
-    found = verified(rough, plan, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
+    found = verified(rough, plan, model, judge, Accuracy(1.0, 1.0))
     assert not found.extra["anchor"][known].any()
     off = np.abs(np.log(found.contact_area / exact.contact_area))
     assert (off <= found.extra["area_error_estimate"]).all()
@@ -98,7 +98,7 @@ def test_anchors_heed_the_constants_of_the_plan(rough):
             exact = dataclasses.replace(model, error_estimate=0.0 * LOADS, extra=told)
             return exact.select(np.searchsorted(LOADS, values))
 
-        found = verified(rough, plan, model, "pressure", LOADS, judge, Accuracy(1.0, 1.0))
+        found = verified(rough, plan, model, judge, Accuracy(1.0, 1.0))
         count.append(int(found.extra["anchor"].sum()))
     assert count == [3, 5]
 
