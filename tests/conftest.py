@@ -18,6 +18,14 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
+def pytest_sessionstart() -> None:
+    """Compile first: code that a process has compiled by itself differs in the last digits from
+    that which the others read from the disk, and some tests compare processes to the last bit."""
+    from asperity.compilation import CURVE, HARD, compile_ahead
+
+    compile_ahead(*CURVE, *HARD, "bem")
+
+
 def measured_folder() -> Path:
     """Folder of the measured maps: ASPERITY_MEASURED, or shared/measured beside the checkout."""
     beside = Path(__file__).resolve().parents[2] / "shared" / "measured"
