@@ -150,8 +150,7 @@ class TableBasis:
         return out
 
     def _moments(self, a: Array, lowest: int, highest: int) -> Array:
-        """Moments of the segments that begin within radii a; the last are kept, for D and its
-        derivatives."""
+        """Moments of the segments that begin within radii a; the last are kept."""
         key, last = (a.tobytes(), lowest, highest), self._last
         if last is None or last[0] != key:
             within = self.nodes[~(self.nodes >= np.max(a, initial=0.0))]
@@ -178,9 +177,8 @@ Basis = PowerBasis | TableBasis
 @lru_cache(maxsize=8)
 def basis_of(profile: PowerSumProfile | PolarProfile, m: float) -> Basis:
     """Basis of either kind of profile; those of the last profiles are kept."""
-    if isinstance(profile, PolarProfile):
-        return TableBasis(profile, m)
-    return PowerBasis(profile, m)
+    kind = TableBasis if isinstance(profile, PolarProfile) else PowerBasis
+    return kind(profile, m)  # type: ignore[arg-type]
 
 
 def radius_at(basis: Basis, approach: Array) -> Array:
@@ -219,8 +217,7 @@ def turning_radius(basis: Basis) -> float:
 def _rise(basis: Basis) -> tuple[Array, Array]:
     """Radii [m] up to the turning radius, and the approaches D(a) [m] there; if that is infinite,
     so is the last of both."""
-    scan = _scan(basis)
-    end = _end(basis, scan)
+    end = _end(basis, scan := _scan(basis))
     grid = np.append(scan[scan < end], end)
     return grid, basis.depth(grid) if np.isfinite(end) else np.array([np.inf])
 
