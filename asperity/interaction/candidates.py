@@ -11,12 +11,12 @@ from asperity.errors import Flag
 from asperity.interaction.ewald.near_pairs import widest_in_cell
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import widened
-from asperity.interaction.newton.state import Problem
+from asperity.interaction.newton.state import CandidateValues, Problem
 from surfaces.arrays import Array, Index
 
 if TYPE_CHECKING:
     from asperity.interaction.ewald.mesh import SmoothField
-    from asperity.interaction.newton.final_step import CandidateValues, Solution
+    from asperity.interaction.newton.final_step import Solution
     from asperity.interaction.newton.laws import Evaluated
 
     from .contact_system import ContactSystem

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from asperity.interaction.newton.final_step import CandidateValues, Solution
+from asperity.interaction.newton.final_step import Solution
 from asperity.interaction.newton.solver import descent
+from asperity.interaction.newton.state import CandidateValues
 from asperity.interaction.newton.step import corrected_prediction
 from surfaces.arrays import Array, Index
 
 from .candidates import CandidateList
 from .population_state import Contacts, Continuation, PopulationState
 
-if TYPE_CHECKING:
-    from asperity.interaction.newton.state import Problem
-
-
-__all__ = ["Start", "descend", "solve_at", "start_of"]
+__all__ = ["Start", "solve_at", "start_of"]
 
 
 SPARE_CANDIDATES = 1.5
@@ -91,23 +87,11 @@ def solve_at(
         if rows is not candidates.index:
             values = _along(candidates.index, rows, values, len(system))
             rows = candidates.index
-        start = values.interference
+        start = values
         if load is None and placed == 0 and len(last.points) > 1:
-            problem.laws.make(values.interference > 0)
-            better, products = corrected_prediction(
-                problem, values.interference, values.force, tolerance=tolerance
-            )
-            start = better if math.isfinite(float(better.sum())) else start
+            start, products = corrected_prediction(problem, values, tolerance=tolerance)
         bound = max(tolerance, FIRST_TOLERANCE) if blind else tolerance
-        found = descend(
-            problem,
-            separation,
-            start,
-            tilt=values.tilt,
-            tolerance=bound,
-            load=load,
-            response=np.where(values.response > 0, values.response, 1.0),
-        )
+        found = descent(problem, separation, start, tolerance=bound, load=load)
         solution = _ordered(last, found, tolerance)
         steps, products = steps + solution.steps, products + solution.products
         field, values = problem.coupling.smooth, solution.values
@@ -180,18 +164,6 @@ def _along(index: Index, rows: Index, values: CandidateValues, count: int) -> Ca
     for array, part in zip(known, values, strict=True):
         array[rows] = part
     return known.rows(index)
-
-
-def descend(problem: Problem, separation: float, start: Array, **settings: Any) -> Solution:
-    """Run `descent`, with its arguments, and make the laws that it asks for."""
-    problem.laws.make(start > 0)
-    steps = descent(problem, separation, start, **settings)
-    while True:
-        try:
-            problem.laws.make(next(steps))
-        except StopIteration as end:
-            found: Solution = end.value
-            return found
 
 
 def _ordered(last: Continuation, solution: Solution, tolerance: float) -> Solution:

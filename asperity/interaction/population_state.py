@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from asperity.interaction.ewald.tangent import Tangent
-from asperity.interaction.newton.final_step import CandidateValues
+from asperity.interaction.newton.state import CandidateValues
 from asperity.interaction.newton.step import conjugate_gradients
 from surfaces.arrays import Array, Index
 
@@ -157,9 +157,7 @@ class Continuation:
             known = self.points[-2:] if pressure is None else self.points
             return self.points[-1].rows, predict(known, separation, len(system))
         rows = system.above(separation)
-        none = np.zeros(len(rows))
-        guess = 0.5 * (system.height[rows] - separation)
-        return rows, CandidateValues(guess, none, np.zeros((len(rows), 2)), none)
+        return rows, CandidateValues.of(0.5 * (system.height[rows] - separation))
 
     def rise(self, separation: float, values: CandidateValues) -> float:
         """How far [m] nearly all closed contacts of a free half-space sink as the flat moves from

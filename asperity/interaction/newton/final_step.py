@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.interaction.ewald.tangent import Tangent
-from surfaces.arrays import Array, Index, Mask
+from surfaces.arrays import Array
 
 from .laws import Evaluated
-from .state import State
+from .state import CandidateValues, State
 from .step import Step, conjugate_gradients
 
-__all__ = ["CandidateValues", "Solution", "finished", "shared", "tangent_of"]
+__all__ = ["Solution", "finished", "shared", "tangent_of"]
 
 LINEAR_TOLERANCE = 0.2
 """Relative accuracy of the linear solve of a step."""
@@ -33,45 +31,6 @@ LARGEST_STRAY = 0.15
 and tolerance, up to which the step is taken. Most change it by less than 0.05. Those of crowded
 contacts on ridges (lay of 4:1 to the pixel, 10 % of contact) changed it by 1.4 to 2, and moved the
 flat by 1 to 2 % of the load, where the steps before them had moved it by 0.1 %."""
-
-
-class CandidateValues(NamedTuple):
-    """Solved or predicted values of some candidates; the first axis runs over the candidates.
-
-    Attributes
-    ----------
-    interference
-        Interference z - s - u [m] with the flat: the approach of a closed contact, minus the gap of
-        an open one.
-    force
-        Force [N].
-    tilt
-        Gradients [-] of the displacement along y and x, shape (n, 2).
-    response
-        Approach that a contact gains per fall of the flat [-].
-    """
-
-    interference: Array
-    force: Array
-    tilt: Array
-    response: Array
-
-    def rows(self, index: Index | NDArray[np.int32]) -> CandidateValues:
-        """The values of the candidates `index`."""
-        return CandidateValues(*(array.take(index, axis=0) for array in self))
-
-    @classmethod
-    def weighted(
-        cls, weights: Array, parts: list[CandidateValues], known: Mask, others: CandidateValues
-    ) -> CandidateValues:
-        """The sum of the `parts`, each times its weight, for the candidates `known`; `others` for
-        the rest."""
-        found, rest = [], ~known
-        for other, arrays in zip(others, zip(*parts, strict=True), strict=True):
-            total = np.asarray(sum(w * array for w, array in zip(weights, arrays, strict=True)))
-            total[rest] = other[rest]
-            found.append(total)
-        return cls(*found)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 from dataclasses import replace
 
 import numpy as np
 
-from surfaces.arrays import Array, Index
+from surfaces.arrays import Array
 
 from .final_step import LINEAR_TOLERANCE, Solution, finished, shared, tangent_of
-from .state import Problem, State
+from .state import CandidateValues, Problem, State
 from .step import Step, conjugate_gradients
 
 __all__ = ["descent"]
@@ -61,33 +60,27 @@ ROUGH_LINEAR_TOLERANCE = 0.3
 def descent(
     problem: Problem,
     separation: float,
-    start: Array,
+    start: CandidateValues,
     *,
     tolerance: float,
-    tilt: Array | None = None,
     load: float | None = None,
-    response: Array | None = None,
-) -> Generator[Index, None, Solution]:
+) -> Solution:
     """Minimize the energy of the contacts over non-negative forces.
 
-    Yields the contacts whose laws are missing; the caller makes them and goes on. Returns the
-    solution.
+    Laws that are missing are made when their contacts are about to close.
 
     Parameters
     ----------
     separation
         Separation s [m]; a first guess if there is a `load`.
     start
-        Approaches [m] to start from, shape (n,). Laws of positive approaches are made.
+        Values of the contacts to start from: positive interferences are the first approaches, the
+        contact shifts start from the tilts, and the response is the first guess of how contacts
+        share a missing load, 1 where it is not positive.
     tolerance
         Bound on `Solution.residual`; under a `load`, half of it bounds the error of the load.
-    tilt
-        Gradients [-] that the contact shifts start from, shape (n, 2); None: zero.
     load
         Sum of the forces [N] to reach, positive; None: the separation is given.
-    response
-        `CandidateValues.response` [-], shape (n,): the first guess of how contacts share a missing
-        load. None: 1.
 
     Notes
     -----
@@ -101,12 +94,12 @@ def descent(
     The contact shifts are held during a step, and follow one step behind the forces. The solve ends
     if the residual plus the effect of the last change of the shifts (`State.lag`) is small.
     """
-    tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
-    if response is None:
-        response = np.ones(len(start))
+    approach, tilt = start.interference, np.ascontiguousarray(start.tilt)
+    response = np.where(start.response > 0, start.response, 1.0)
+    problem.laws.make(approach > 0)
     for bound in (tolerance, CLOSER * tolerance):
         # a call of its own, so that the arrays of its last step are freed before `finished`
-        solution = yield from _newton_steps(problem, separation, start, tilt, load, response, bound)
+        solution = _newton_steps(problem, separation, approach, tilt, load, response, bound)
         if load is None or solution.reason:
             return solution
         assert solution.linearized is not None
@@ -114,27 +107,25 @@ def descent(
         missed = abs(final.load / load - 1.0)
         if missed <= MISSED_LOAD:
             return final
-        separation, start, tilt = solution.separation, solution.approach, solution.tilt
+        separation, approach, tilt = solution.separation, solution.approach, solution.tilt
     return replace(solution, reason=f"the last step missed the load by {100 * missed:.2g} %")
 
 
 def _newton_steps(
     problem: Problem,
     separation: float,
-    start: Array,
+    approach: Array,
     tilt: Array,
     load: float | None,
     response: Array,
     tolerance: float,
-) -> Generator[Index, None, Solution]:
+) -> Solution:
     """`descent` without the last step under a load (`finished`); arguments as there."""
-    state = State(problem, np.maximum(start, 0.0), tilt)
+    state = State(problem, np.maximum(approach, 0.0), tilt)
     products, reason, held = 1, "", None
     for step in range(MAX_NEWTON_STEPS + 1):
         state.balance(separation, load is not None)
-        lacking = problem.laws.lacking(state.interference)
-        if lacking.size:
-            yield lacking
+        problem.laws.make(problem.laws.lacking(state.interference))
         state.linearize()
         separation = state.separation
         missing = 0.0 if load is None else load - float(state.laws.force.sum())

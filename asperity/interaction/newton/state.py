@@ -1,22 +1,26 @@
-"""The coupled problem of the candidates, and a trial state with its balance of displacements."""
+"""The coupled problem of the candidates, their values, and a trial state with its balance of
+displacements.
+"""
 
 from __future__ import annotations
 
 import functools
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import ROUND, Interaction
 from asperity.parameters import ContactShift
-from surfaces.arrays import Array
+from surfaces.arrays import Array, Index, Mask
 
 from .contact_shift import contact_shifts
 from .laws import Laws
 
-__all__ = ["Problem", "State"]
+__all__ = ["CandidateValues", "Problem", "State"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +45,51 @@ class Problem:
         if self.contact_shift and self.elongation is not None:
             return self.elongation.radii
         return np.tile(float(self.contact_shift) * ROUND, (len(self.height), 1))
+
+
+class CandidateValues(NamedTuple):
+    """Solved or predicted values of some candidates; the first axis runs over the candidates.
+
+    Attributes
+    ----------
+    interference
+        Interference z - s - u [m] with the flat: the approach of a closed contact, minus the gap of
+        an open one.
+    force
+        Force [N].
+    tilt
+        Gradients [-] of the displacement along y and x, shape (n, 2).
+    response
+        Approach that a contact gains per fall of the flat [-].
+    """
+
+    interference: Array
+    force: Array
+    tilt: Array
+    response: Array
+
+    @classmethod
+    def of(cls, interference: Array) -> CandidateValues:
+        """The values of contacts of which no more is known than a guess of the interference [m]."""
+        count = len(interference)
+        return cls(interference, np.zeros(count), np.zeros((count, 2)), np.zeros(count))
+
+    def rows(self, index: Index | NDArray[np.int32]) -> CandidateValues:
+        """The values of the candidates `index`."""
+        return CandidateValues(*(array.take(index, axis=0) for array in self))
+
+    @classmethod
+    def weighted(
+        cls, weights: Array, parts: list[CandidateValues], known: Mask, others: CandidateValues
+    ) -> CandidateValues:
+        """The sum of the `parts`, each times its weight, for the candidates `known`; `others` for
+        the rest."""
+        found, rest = [], ~known
+        for other, arrays in zip(others, zip(*parts, strict=True), strict=True):
+            total = np.asarray(sum(w * array for w, array in zip(weights, arrays, strict=True)))
+            total[rest] = other[rest]
+            found.append(total)
+        return cls(*found)
 
 
 class State:

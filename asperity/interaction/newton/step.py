@@ -15,7 +15,7 @@ from asperity.interaction.ewald.tangent import Tangent
 from surfaces.arrays import Array
 
 from . import _newton_kernels
-from .state import Problem, State
+from .state import CandidateValues, Problem, State
 
 __all__ = ["Solved", "Step", "conjugate_gradients", "corrected_prediction"]
 
@@ -164,12 +164,13 @@ def _bounds(approach: Array, interference: Array, error: Array) -> tuple[Array, 
 
 
 def corrected_prediction(
-    problem: Problem, interference: Array, force: Array, *, tolerance: float
-) -> tuple[Array, int]:
-    """Predicted approaches [m], corrected by the laws, and the number of products.
+    problem: Problem, predicted: CandidateValues, *, tolerance: float
+) -> tuple[CandidateValues, int]:
+    """The predicted values with the interference corrected by the laws, which are made, and the
+    number of products; the values as they were if a corrected one is not finite.
 
-    `interference` is the predicted one [m], and `force` the predicted force [N], shape (n,) each,
-    extrapolated with equal weights. `tolerance` is that of the solve that follows.
+    Interference and force have to be extrapolated with equal weights. `tolerance` is that of the
+    solve that follows.
 
     Notes
     -----
@@ -179,11 +180,13 @@ def corrected_prediction(
     d = interference - G (F(d) - force), with the interaction matrix G: this is one Newton step for
     this equation.
     """
+    interference = predicted.interference
+    problem.laws.make(interference > 0)
     law = problem.laws(interference)
     closed = law.force > 0
     tangent = Tangent(problem.coupling, closed, law.stiffness)
     rows = tangent.index
-    own, stiffness, force = law.force[rows], law.stiffness[rows], force[rows]
+    own, stiffness, force = law.force[rows], law.stiffness[rows], predicted.force[rows]
     lack = own - force
     # the residual, sum |r| k, is at most the root of sum k r^2 times sum k
     most = math.sqrt(float(stiffness.sum()) * float(np.sum(lack * lack / stiffness)))
@@ -193,4 +196,6 @@ def corrected_prediction(
     share = np.maximum((force + solved.solution) / own, 0.0)
     approach = np.maximum(interference, 0.0)
     approach[rows] *= share ** np.minimum(own / (stiffness * interference[rows]), 1.0)
-    return approach, solved.products
+    if math.isfinite(float(approach.sum())):
+        predicted = predicted._replace(interference=approach)
+    return predicted, solved.products

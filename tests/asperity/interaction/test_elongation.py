@@ -9,12 +9,12 @@ from strategies import random_population
 
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
-from asperity.interaction.coupled_solve import descend
 from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.near_pairs import CUT_OVER_SPLIT_LENGTH
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.state import Problem
+from asperity.interaction.newton.solver import descent
+from asperity.interaction.newton.state import CandidateValues, Problem
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.parameters import DEFAULTS
 
@@ -147,7 +147,7 @@ def test_a_turned_scene_carries_the_same():
             True,
             long.rows(plan.order),
         )
-        solution = descend(problem, 0.01, np.zeros(len(y)), tolerance=1e-4)
+        solution = descent(problem, 0.01, CandidateValues.of(np.zeros(len(y))), tolerance=1e-4)
         assert not solution.reason
         loads.append(solution.laws.force.sum())
     assert loads[0] == pytest.approx(loads[1], rel=2e-3)

@@ -15,7 +15,7 @@ from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
 from asperity.interaction import coupled_solve
 from asperity.interaction import population as population_module
-from asperity.interaction.coupled_solve import descend
+from asperity.interaction.newton.solver import descent
 from asperity.interaction.population import Population
 from asperity.microcontact import tabulate
 
@@ -141,13 +141,13 @@ def test_a_point_that_does_not_settle_is_reached_by_points_between(monkeypatch, 
     tried = []
 
     def unsettled(problem, separation, *args, **settings):
-        found = descend(problem, separation, *args, **settings)
+        found = descent(problem, separation, *args, **settings)
         tried.append(found.load)
         few = failures < 1000 and len(tried) > 1 + failures  # the first is the lighter start
         return found if few or len(tried) == 1 else replace(found, reason="not settled")
 
     exact = make().solve(**asked, tolerance=1e-6)
-    monkeypatch.setattr(coupled_solve, "descend", unsettled)
+    monkeypatch.setattr(coupled_solve, "descent", unsettled)
     found = make().solve(**asked, tolerance=1e-6)
     assert len(tried) < 50
     assert found.separation == pytest.approx(exact.separation, rel=1e-4)

@@ -8,11 +8,11 @@ from oracles import HertzTable, free_interaction, periodic_interaction
 from strategies import random_population
 
 from asperity.halfspace.footprint import Footprints
-from asperity.interaction.coupled_solve import descend
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import contact_shifts, widened
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.state import Problem, State
+from asperity.interaction.newton.solver import descent
+from asperity.interaction.newton.state import CandidateValues, Problem, State
 from asperity.parameters import DEFAULTS
 
 CELL = (1.0, 1.4)
@@ -119,10 +119,10 @@ def test_deflection_raises_the_load(m):
     plan = Interaction(y, x, CELL, "periodic", f, widest=f.variance(table.stiffness[:, -1]).max())
     laws = Laws(table, f).rows(plan.order)
     still, moving = (
-        descend(
+        descent(
             Problem(height[plan.order], laws, plan, FITTED, contact_shift),
             0.01,
-            np.zeros(196),
+            CandidateValues.of(np.zeros(196)),
             tolerance=1e-4,
         )
         for contact_shift in (False, True)

@@ -8,12 +8,12 @@ from oracles import HertzTable
 from strategies import random_population
 
 from asperity.halfspace.footprint import Footprints
-from asperity.interaction.coupled_solve import descend
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.newton import solver
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.state import Problem, State
+from asperity.interaction.newton.solver import descent
+from asperity.interaction.newton.state import CandidateValues, Problem, State
 from asperity.interaction.newton.step import conjugate_gradients
 from asperity.parameters import DEFAULTS
 
@@ -65,7 +65,7 @@ def test_solution_obeys_the_contact_conditions(m, boundary):
     """d = z - s - u where closed, no overlap where open, to the tolerance asked."""
     problem = make(300, m=m, boundary=boundary)
     s = -0.01
-    solution = descend(problem, s, np.zeros(300), tolerance=1e-7)
+    solution = descent(problem, s, CandidateValues.of(np.zeros(300)), tolerance=1e-7)
     assert not solution.reason
     closed = solution.approach > 0
     assert 20 < closed.sum() < 290
@@ -78,8 +78,9 @@ def test_solution_obeys_the_contact_conditions(m, boundary):
 def test_solution_does_not_depend_on_the_start(boundary):
     problem = make(225, boundary=boundary, filling=0.2, apart=True)
     loads = []
-    for start in (0.0, 1.0, 30.0):
-        solution = descend(problem, -0.03, start * reach(problem.laws), tolerance=1e-7)
+    for share in (0.0, 1.0, 30.0):
+        start = CandidateValues.of(share * reach(problem.laws))
+        solution = descent(problem, -0.03, start, tolerance=1e-7)
         assert not solution.reason
         loads.append(solution.laws.force)
     for other in loads[1:]:
@@ -97,7 +98,7 @@ def test_energy_falls_at_every_step(monkeypatch):
             energies.append(energy(self, problem.height - s))
 
     monkeypatch.setattr(solver, "State", Recorded)
-    solution = descend(problem, s, 3 * reach(problem.laws), tolerance=1e-6)
+    solution = descent(problem, s, CandidateValues.of(3 * reach(problem.laws)), tolerance=1e-6)
     assert not solution.reason
     # trial points that were refused may lie above; the running minimum is what was accepted
     lowest = np.minimum.accumulate(energies)
@@ -116,7 +117,7 @@ def test_two_spheres_follow_the_interacting_hertz_expansion(distance):
     f = Footprints(1.0)
     plan = Interaction(y, x, (50.0, 60.0), "free", f, widest=f.variance(2 * a0))
     problem = Problem(np.full(2, d0), Laws(table, f), plan, DEFAULTS.contact_shift)
-    solution = descend(problem, 0.0, np.full(2, 0.5 * d0), tolerance=1e-9)
+    solution = descent(problem, 0.0, CandidateValues.of(np.full(2, 0.5 * d0)), tolerance=1e-9)
     d = d0
     for _ in range(200):
         a = np.sqrt(radius * d)
@@ -178,8 +179,10 @@ def test_a_load_is_met_in_one_descent(m):
     """The separation is one more unknown: load, contacts and separation fit together."""
     problem = make(225, m=m, filling=0.2, apart=True)
     load = 0.3 * problem.laws(reach(problem.laws)).force.sum()
-    found = descend(problem, 0.05, 0.2 * reach(problem.laws), load=load, tolerance=1e-6)
+    start = CandidateValues.of(0.2 * reach(problem.laws))
+    found = descent(problem, 0.05, start, load=load, tolerance=1e-6)
     assert not found.reason
     assert found.laws.force.sum() == pytest.approx(load, rel=1e-6)
-    again = descend(problem, found.separation, 0 * problem.height, tolerance=1e-6)
+    start = CandidateValues.of(0 * problem.height)
+    again = descent(problem, found.separation, start, tolerance=1e-6)
     np.testing.assert_allclose(again.laws.force, found.laws.force, atol=1e-4 * load / 225)
