@@ -18,7 +18,9 @@ import resource
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from common import least, options, rough
@@ -29,6 +31,7 @@ from asperity.curve import RESIDUAL_AT_SEPARATION, RESIDUAL_UNDER_LOAD
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
+from asperity.interaction.population import PopulationState
 from asperity.microcontact import tabulate
 from asperity.microcontact.law_table import LawTable
 from surfaces.numerics.parallel import threads
@@ -47,6 +50,29 @@ FAMILIES = {
     "H = 0.5": {"cutoff": 8.0, "hurst": 0.5},
     "anisotropic 4:1": {"cutoff": 8.0, "anisotropy": 4.0},
 }
+
+
+PRODUCTS: Counter[str] = Counter()
+"""Number of fields of the contacts, and of products with their tangent matrices."""
+
+
+def counted(method: Callable[..., Any]) -> Callable[..., Any]:
+    """The method, whose calls are counted in `PRODUCTS`."""
+
+    def counting(*args: Any) -> Any:
+        PRODUCTS[method.__qualname__] += 1
+        return method(*args)
+
+    return counting
+
+
+def solved(contacts: Population, **asked: Any) -> tuple[PopulationState, tuple[float, float, int]]:
+    """A state; and the seconds that its solve took by the wall clock and of all threads, and the
+    number of products."""
+    PRODUCTS.clear()
+    wall, busy = time.perf_counter(), time.process_time()
+    state = contacts.solve(**asked)
+    return state, (time.perf_counter() - wall, time.process_time() - busy, PRODUCTS.total())
 
 
 def population(n: int, law: str, seed: int = 1, **spectrum: float) -> tuple[Population, float]:
@@ -153,14 +179,12 @@ def large() -> None:
     )
     state = None
     for pressure in np.geomspace(1e-3, 1.2e-2, 7):
-        wall, busy = time.perf_counter(), time.process_time()
-        state = contacts.solve(pressure=float(pressure), state=state)
-        wall, busy = time.perf_counter() - wall, time.process_time() - busy
+        state, (wall, busy, products) = solved(contacts, pressure=float(pressure), state=state)
         memory = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3
         end = f"{state.residual:10.1e}" if state.converged else state.reason
         print(
             f"{pressure:13.1e} {state.active:8d} {state.contact_area:7.3f} {end} "
-            f"{wall:8.2f} {busy:13.2f} {state.products:10d} {memory:13.0f}"
+            f"{wall:8.2f} {busy:13.2f} {products:10d} {memory:13.0f}"
         )
 
 
@@ -197,10 +221,9 @@ def tolerance() -> None:
             contacts, _ = population(512, "ellipse", seed, **spectrum)
             rough = exact = None
             for pressure in np.geomspace(5e-5, 5e-3, 10):
-                rough, exact = (
-                    contacts.solve(pressure=float(pressure), state=state, tolerance=bound)
-                    for state, bound in ((rough, default), (exact, 0.02 * default))
-                )
+                at = {"pressure": float(pressure)}
+                rough, (*_, products) = solved(contacts, **at, state=rough, tolerance=default)
+                exact = contacts.solve(**at, state=exact, tolerance=0.02 * default)
                 fall = (exact.separation - rough.separation) * exact.normal_stiffness
                 missed = (
                     (rough.mean_pressure + fall) / exact.mean_pressure - 1,
@@ -208,7 +231,7 @@ def tolerance() -> None:
                     rough.normal_stiffness / exact.normal_stiffness - 1,
                 )
                 worst = np.maximum(worst, np.abs(missed))
-                spent += rough.iterations, rough.products
+                spent += rough.iterations, products
         load, area, stiffness = 100 * worst
         print(
             f"{family:17s} {load:24.2f} {area:6.2f} {stiffness:11.1f} "
@@ -234,13 +257,9 @@ def cost() -> None:
             for _ in range(REPEATS):
                 state, rows = None, []
                 for separation in np.linspace(top, low, 50):
-                    wall, busy = time.perf_counter(), time.process_time()
-                    state = contacts.solve(
-                        separation=float(separation), state=state, tolerance=RESIDUAL_AT_SEPARATION
-                    )
-                    rows.append(
-                        (time.perf_counter() - wall, time.process_time() - busy, state.products)
-                    )
+                    at = {"separation": float(separation), "tolerance": RESIDUAL_AT_SEPARATION}
+                    state, spent = solved(contacts, **at, state=state)
+                    rows.append(spent)
                 runs.append(rows[-6:])
             # the mean of the last separations, lists rebuilt among them
             wall, busy, products = np.array(runs).mean(axis=1).min(axis=0)
@@ -267,6 +286,7 @@ if __name__ == "__main__":
     parts = parser.parse_args().parts
     if unknown := set(parts) - set(PARTS):
         parser.error(f"no part is called {', '.join(sorted(unknown))}")
+    Interaction.field, Tangent.__call__ = counted(Interaction.field), counted(Tangent.__call__)
     for part in parts or PARTS:
         PARTS[part]()
         print()

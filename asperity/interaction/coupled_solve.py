@@ -70,8 +70,7 @@ def solve_at(
     rows, values, growth, spare, rise, candidates = start_of(last, separation, pressure, tolerance)
     field = last.field
     good: tuple[CandidateList, Solution] | None = None
-    steps = products = 0
-    blind, stands = not last.points, False
+    steps, blind, stands = 0, not last.points, False
     for placed in range(MAX_LISTS + 1):
         if candidates is None:
             candidates = CandidateList.of(
@@ -89,11 +88,11 @@ def solve_at(
             rows = candidates.index
         start = values
         if load is None and placed == 0 and len(last.points) > 1:
-            start, products = corrected_prediction(problem, values, tolerance=tolerance)
+            start = corrected_prediction(problem, values, tolerance=tolerance)
         bound = max(tolerance, FIRST_TOLERANCE) if blind else tolerance
         found = descent(problem, separation, start, tolerance=bound, load=load)
         solution = _ordered(last, found, tolerance)
-        steps, products = steps + solution.steps, products + solution.products
+        steps += solution.steps
         field, values = problem.coupling.smooth, solution.values
         separation = solution.separation
         current = candidates
@@ -120,7 +119,7 @@ def solve_at(
         )
     elif settled and not (reason or stands or crowded):
         reason = f"after {MAX_LISTS} lists the contacts stand elsewhere than their points"
-    solution = replace(solution, reason=reason, steps=steps, products=products)
+    solution = replace(solution, reason=reason, steps=steps)
     area = current.areas(solution)
     return _state(last.after(solution, current), current.index, area, solution)
 
@@ -202,7 +201,6 @@ def _independent(last: Continuation, separation: float) -> PopulationState:
         tilt=np.zeros((count, 2)),
         residual=0.0,
         steps=0,
-        products=0,
         reason="",
         response=np.ones(count),
         slope=float(laws.stiffness.sum()),
@@ -229,7 +227,6 @@ def _state(
         converged=not solution.reason,
         reason=solution.reason,
         iterations=solution.steps,
-        products=solution.products,
         lowest_candidate=solution.separation + 1.1 * lowest,
         rows=rows,
         contacts=Contacts(*np.stack((solution.approach, law.force, law.stiffness, area))),

@@ -239,8 +239,8 @@ class PopulationState:
         Upper estimate of the relative error of the load that the Newton steps have left [-].
     converged, reason
         Whether the point can be used, and one sentence if it cannot.
-    iterations, products
-        Numbers of Newton steps, and of products with the interaction matrix.
+    iterations
+        Number of Newton steps.
     lowest_candidate
         Height [m] below which no summit can touch in the field of the others.
     rows, contacts
@@ -269,7 +269,6 @@ class PopulationState:
     converged: bool
     reason: str
     iterations: int
-    products: int
     lowest_candidate: float
     rows: Index = field(repr=False)
     contacts: Contacts = field(repr=False)

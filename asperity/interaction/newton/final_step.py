@@ -53,8 +53,8 @@ class Solution:
         sum |r_i| k_i over sum F_i, and what the last change of the contact shifts can still change
         of the load (`State.lag`): an upper estimate of its relative error. Under a load, that
         before the last step.
-    steps, products
-        Numbers of Newton steps, and of products with the interaction matrix.
+    steps
+        Number of Newton steps.
     reason
         Why the solve failed; empty if it converged.
     response
@@ -72,7 +72,6 @@ class Solution:
     tilt: Array
     residual: float
     steps: int
-    products: int
     reason: str
     response: Array
     slope: float | None = None
@@ -97,7 +96,7 @@ class Solution:
             return self.slope, self.response
         state = self.linearized
         assert state is not None
-        return tangent_response(tangent_of(state), state, self.response)[:2]
+        return tangent_response(tangent_of(state), state, self.response)
 
 
 def finished(state: State, found: Solution, load: float, tolerance: float) -> Solution:
@@ -120,7 +119,7 @@ def finished(state: State, found: Solution, load: float, tolerance: float) -> So
         closed, constant, interference = state.approach[rows], 0.0, state.interference.copy()
     approach[rows] = closed
     separation = found.separation + constant
-    slope, response, products = tangent_response(tangent, state, found.response)
+    slope, response = tangent_response(tangent, state, found.response)
     for _ in range(MAX_FALLS if slope > 0 else 0):
         fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
         touching = approach > 0
@@ -132,27 +131,26 @@ def finished(state: State, found: Solution, load: float, tolerance: float) -> So
         approach=approach,
         interference=interference,
         laws=state.problem.laws(approach),
-        products=found.products + solved.products + products,
         response=response,
         slope=slope,
         linearized=None,
     )
 
 
-def tangent_response(tangent: Tangent, state: State, guess: Array) -> tuple[float, Array, int]:
+def tangent_response(tangent: Tangent, state: State, guess: Array) -> tuple[float, Array]:
     """Response of the contacts to a fall of the flat, with the tangent matrix of a state.
 
     Starts from a `guess` of the response. Overwrites the matrix.
 
     Returns
     -------
-    slope, response, products
-        Minus the slope of the load over the separation [N/m], the approach that each contact gains
-        per fall of the flat [-], shape (n,), and the number of products.
+    slope, response
+        Minus the slope of the load over the separation [N/m], and the approach that each contact
+        gains per fall of the flat [-], shape (n,).
     """
     response, rows = np.ones(len(state.error)), tangent.index
     if not len(rows):
-        return 0.0, response, 0
+        return 0.0, response
     # without the growth of the footprints (`State.extra`), which makes the response too soft
     tangent.stiffen(1 / state.stiffness[rows] - tangent.compliance)
     solved = conjugate_gradients(
@@ -163,7 +161,7 @@ def tangent_response(tangent: Tangent, state: State, guess: Array) -> tuple[floa
     )
     response[rows] = solved.solution * tangent.compliance
     # x.(1 + residual) is stationary in the solution x: its error is of second order
-    return float(np.sum(solved.solution * (1 + solved.residual))), response, solved.products
+    return float(np.sum(solved.solution * (1 + solved.residual))), response
 
 
 def tangent_of(state: State) -> Tangent:

@@ -122,7 +122,7 @@ def _newton_steps(
 ) -> Solution:
     """`descent` without the last step under a load (`finished`); arguments as there."""
     state = State(problem, np.maximum(approach, 0.0), tilt)
-    products, reason, held = 1, "", None
+    reason, held = "", None
     for step in range(MAX_NEWTON_STEPS + 1):
         state.balance(separation, load is not None)
         problem.laws.make(problem.laws.lacking(state.interference))
@@ -158,21 +158,18 @@ def _newton_steps(
             break
         separation += solved.constant
         state.raised(-solved.constant)
-        move = Step(state, tangent)
-        products, found = products + solved.products, None
+        move, found = Step(state, tangent), None
         if state.relative > REFINED_RESIDUAL:
-            refined, change, constant, spent = move.refine(
+            refined, change, constant = move.refine(
                 solved.solution, tolerance=0.5 * ROUGH_LINEAR_TOLERANCE, load=load
             )
             state.raised(-constant)
             found = _taken(state, refined, change, tilt)
             state.raised(0.0 if found else constant)
             separation += constant if found else 0.0
-            products += spent + 1
             del refined, change
         if not found:
-            found, tried = _line_search(state, move, solved.solution, tilt)
-            products += tried
+            found = _line_search(state, move, solved.solution, tilt)
         if not found:
             reason = f"no step lowers the energy, residual {state.relative:.1e}"
             break
@@ -186,7 +183,6 @@ def _newton_steps(
         tilt=tilt + PREDICTED_SHIFT_SHARE * (state.field.tilt - tilt),
         residual=error,
         steps=step,
-        products=products,
         reason=reason,
         response=response,
         linearized=state,
@@ -201,15 +197,14 @@ def _forcing(residual: float, tolerance: float) -> float:
     return min(0.5 * LINEAR_TOLERANCE, max(0.02, 0.5 * tolerance / residual))
 
 
-def _line_search(state: State, move: Step, change: Array, tilt: Array) -> tuple[State | None, int]:
-    """First state along the step at which the energy has fallen enough, None if there is none, and
-    the number of states tried."""
-    for tried in range(1, MAX_CUTS + 1):
+def _line_search(state: State, move: Step, change: Array, tilt: Array) -> State | None:
+    """First state along the step at which the energy has fallen enough; None if there is none."""
+    for _ in range(MAX_CUTS):
         found = _taken(state, move, change, tilt)
         if found:
-            return found, tried
+            return found
         change = 0.5 * change
-    return None, MAX_CUTS
+    return None
 
 
 def _taken(state: State, move: Step, change: Array, tilt: Array) -> State | None:

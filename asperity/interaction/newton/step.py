@@ -114,11 +114,11 @@ class Step:
 
     def refine(
         self, change: Array, *, tolerance: float, load: float | None
-    ) -> tuple[Step, Array, float, int]:
+    ) -> tuple[Step, Array, float]:
         """A second Newton step from the forces after `change` [N], with the laws at these forces.
 
-        Returns the step with these laws, the change of the forces by both steps, the change of the
-        separation [m] by the second, and the number of products.
+        Returns the step with these laws, the change of the forces by both steps, and the change of
+        the separation [m] by the second.
 
         Notes
         -----
@@ -153,7 +153,7 @@ class Step:
             held=load is not None,
         )
         constant += solved.constant
-        return after, change + solved.solution, constant, solved.products + 1
+        return after, change + solved.solution, constant
 
 
 def _bounds(approach: Array, interference: Array, error: Array) -> tuple[Array, Array]:
@@ -165,9 +165,9 @@ def _bounds(approach: Array, interference: Array, error: Array) -> tuple[Array, 
 
 def corrected_prediction(
     problem: Problem, predicted: CandidateValues, *, tolerance: float
-) -> tuple[CandidateValues, int]:
-    """The predicted values with the interference corrected by the laws, which are made, and the
-    number of products; the values as they were if a corrected one is not finite.
+) -> CandidateValues:
+    """The predicted values with the interference corrected by the laws, which are made; the values
+    as they were if a corrected one is not finite.
 
     Interference and force have to be extrapolated with equal weights. `tolerance` is that of the
     solve that follows.
@@ -196,6 +196,5 @@ def corrected_prediction(
     share = np.maximum((force + solved.solution) / own, 0.0)
     approach = np.maximum(interference, 0.0)
     approach[rows] *= share ** np.minimum(own / (stiffness * interference[rows]), 1.0)
-    if math.isfinite(float(approach.sum())):
-        predicted = predicted._replace(interference=approach)
-    return predicted, solved.products
+    finite = math.isfinite(float(approach.sum()))
+    return predicted._replace(interference=approach) if finite else predicted
