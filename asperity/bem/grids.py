@@ -38,10 +38,7 @@ def nested_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
 
 
 def coarse_maps(
-    heights: Array,
-    boundary: Boundary,
-    shapes: list[tuple[int, int]],
-    origin: tuple[int, int] = (0, 0),
+    heights: Array, boundary: Boundary, shapes: list[tuple[int, int]], origin: tuple[int, int]
 ) -> list[Array]:
     """Coarser maps [m] of these shapes, coarsest first, of one map (ny, nx).
 
@@ -66,9 +63,7 @@ def coarse_maps(
     return maps
 
 
-def prolong(
-    coarse: NestedGrid, fine: NestedGrid, mean: float, origin: tuple[int, int] = (0, 0)
-) -> None:
+def prolong(coarse: NestedGrid, fine: NestedGrid, mean: float, origin: tuple[int, int]) -> None:
     """Bilinear interpolation of a coarse pressure into a finer grid, scaled to a mean, if any.
 
     The coarse map of a periodic cell begins at the row and column `origin` of the finer one.

@@ -140,10 +140,7 @@ class LoadPath:
     """
 
     def __init__(
-        self,
-        problem: ContactProblem,
-        accuracy: tuple[float, float] = NO_LIMIT,
-        guess: Array | None = None,
+        self, problem: ContactProblem, accuracy: tuple[float, float], guess: Array | None = None
     ) -> None:
         self.problem = problem
         self._accuracy, self._guess = accuracy, guess

@@ -175,7 +175,7 @@ def _row(
     )
 
 
-def draw_laws(compared: LawComparison, *, title: str = "") -> Figure:
+def draw_laws(compared: LawComparison, *, title: str) -> Figure:
     """Contours of the laws over the boundary-element contact, and pressure along three rays."""
     from matplotlib.figure import Figure
 

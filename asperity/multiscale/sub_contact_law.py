@@ -119,7 +119,7 @@ class SubContactLaw:
         yielded = np.minimum(np.asarray(pressure) / hardness, 1.0) ** 3
         return np.asarray(np.cbrt(closed + yielded * (1.0 - closed)))
 
-    def elastic_share(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
+    def elastic_share(self, pressure: ArrayLike, share: float, area: ArrayLike) -> Array:
         """Share e of the area of elastic contacts that stays closed; arguments of `remaining`."""
         unseen = self.fitted.seen**2 * np.pi / (self.number**2 * np.asarray(area, float))
         opening = self._opening(pressure, share) ** 2 / (1.0 + unseen)

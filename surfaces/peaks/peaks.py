@@ -158,7 +158,7 @@ class SummitArrays:
         return int(self.x.size)
 
 
-def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
+def expected_peaks(hm: HeightMap, above: float) -> int:
     """Number of points above a height [m] that are higher than their neighbors, estimated from
     `SAMPLED_LINES` rows of the map."""
     ny, nx = hm.shape

@@ -29,6 +29,10 @@ BEST_LINEAR_TOLERANCE = 0.05
 points of many contacts needed a Newton step, which costs twice as much as the rest."""
 
 
+MOST_PRODUCTS = 200
+"""Largest number of products with the matrix in one linear solve."""
+
+
 class Solved(NamedTuple):
     """Result of `conjugate_gradients`: x, the residual b - A x, c, and the number of products."""
 
@@ -45,9 +49,8 @@ def conjugate_gradients(
     tolerance: float,
     start: Array | None = None,
     held: bool = False,
-    limit: int = 200,
 ) -> Solved:
-    """Solve `matrix` x = `right` by at most `limit` products.
+    """Solve `matrix` x = `right` by at most `MOST_PRODUCTS` products.
 
     The preconditioner is the stiffness of the contacts; for many contacts a solve on coarse cells
     is added (`TwoLevelPreconditioner`). `tolerance` bounds the residual, weighted by stiffness,
@@ -71,7 +74,7 @@ def conjugate_gradients(
             goal = max(goal, tolerance**2 * aim(image, *system)[0])
     error, mean, product = aim(residual, *system)
     first = count
-    while error > goal and count < limit:
+    while error > goal and count < MOST_PRODUCTS:
         taken, after = _newton_kernels.advance(
             product, direction, matrix(direction), solution, residual, *system
         )
