@@ -229,7 +229,7 @@ def _state(
         iterations=solution.steps,
         lowest_candidate=solution.separation + 1.1 * lowest,
         rows=rows,
-        contacts=Contacts(*np.stack((solution.approach, law.force, law.stiffness, area))),
+        contacts=Contacts(solution.approach, law.force, law.stiffness, area),
         tilt=solution.tilt,
         continuation=continuation,
     )
