@@ -216,12 +216,9 @@ class LazyTable:
     def __len__(self) -> int:
         return len(self.ready)
 
-    def in_order(self, rows: Index) -> Index:
-        """The contacts `rows` in the order of `near`."""
-        return rows if self.near is None else rows[self.near(rows)]
-
     def blocks(self, rows: Index) -> Iterator[tuple[Index, LawTable]]:
-        """The laws of some contacts, `ROWS_TOGETHER` at a time."""
+        """The laws of some contacts in the order of `near`, `ROWS_TOGETHER` at a time."""
+        rows = rows if self.near is None else rows[self.near(rows)]
         for start in range(0, rows.size, ROWS_TOGETHER):
             part = rows[start : start + ROWS_TOGETHER]
             yield part, self.laws(part)

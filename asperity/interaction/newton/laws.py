@@ -138,23 +138,6 @@ class Laws:
             np.maximum(out.area, out.force / hardness, out=out.area)
         return out
 
-    def lacking(self, interference: Array) -> Index:
-        """Contacts whose laws are to be made next: those that are about to close, with those that
-        are nearest to closing; none if no contact about to close lacks its law.
-
-        The `interference` [m], shape (n,), is positive where a contact is about to close.
-        """
-        if self.store.complete:
-            return np.empty(0, np.int64)
-        missing = np.flatnonzero(~self.ready)
-        lacking = int(np.count_nonzero(interference[missing] > 0))
-        if not lacking:
-            return missing[:0]
-        block = lacking + max(lacking // 8, LEAST_SPARE_LAWS)
-        if self.store.ahead is None:
-            block = max(lacking + lacking // 8, LEAST_BATCH, int(self.store.ready.sum()) // 40)
-        return missing[np.argsort(-interference[missing], kind="stable")[:block]]
-
     def foresee(self, rows: Index | None) -> None:
         """Name the contacts `rows` that will need their laws later: these are made with the next
         batch. None: unknown; batches are then larger."""
@@ -164,6 +147,23 @@ class Laws:
         """Make the laws of `some` of these contacts; of all if None."""
         if not self.store.complete:
             self.store.need(self.index if some is None else self.index[some])
+
+    def make_closing(self, interference: Array) -> None:
+        """Make the laws of contacts about to close, with those of contacts nearest to closing; none
+        if no contact about to close lacks its law.
+
+        The `interference` [m], shape (n,), is positive where a contact is about to close.
+        """
+        if self.store.complete:
+            return
+        missing = np.flatnonzero(~self.ready)
+        lacking = int(np.count_nonzero(interference[missing] > 0))
+        if not lacking:
+            return
+        block = lacking + max(lacking // 8, LEAST_SPARE_LAWS)
+        if self.store.ahead is None:
+            block = max(lacking + lacking // 8, LEAST_BATCH, int(self.store.ready.sum()) // 40)
+        self.make(missing[np.argsort(-interference[missing], kind="stable")[:block]])
 
     def filled(self, law: Evaluated) -> Mask:
         """Whether each contact covers more than `FILLED_SHARE` of its area at reach."""
@@ -197,7 +197,7 @@ class _Store:
             if self.ahead is not None:
                 rows = np.append(rows, self.ahead[~self.ready[self.ahead]])
             rows = left if len(left) <= SMALL_REST else np.unique(rows)
-            for part, nodes in self.nodes.blocks(self.nodes.in_order(rows)):
+            for part, nodes in self.nodes.blocks(rows):
                 self._add(part, nodes)
 
     def _add(self, rows: Index, nodes: LawTable) -> None:
