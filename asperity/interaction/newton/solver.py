@@ -125,8 +125,6 @@ def _newton_steps(
     reason, held = "", None
     for step in range(MAX_NEWTON_STEPS + 1):
         state.balance(separation, load is not None)
-        problem.laws.make_closing(state.interference)
-        state.linearize()
         separation = state.separation
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)

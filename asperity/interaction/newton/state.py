@@ -110,8 +110,6 @@ class State:
         Separation s [m] of `balance`, which sets this and the attributes below.
     gap, interference, error
         z - s, the interference z - s - u, and z - s - u - d [m], shape (n,).
-    closing, sums
-        Contacts about to close; sum of |error| k, and sum of F, over the closed contacts.
     active
         Whether each contact is closed or about to close, shape (n,).
     stiffness, growth, force, base
@@ -165,10 +163,10 @@ class State:
         return change / whole * max(others, own) / float(law.force.sum())
 
     def balance(self, separation: float, balanced: bool) -> None:
-        """Compute the residual at a separation [m]; `linearize` is called next.
+        """Compute the residual at a separation [m], and linearize about it.
 
         If `balanced`, the separation is first changed so that the sum of error times stiffness over
-        the closed contacts is zero.
+        the closed contacts is zero. Laws that are missing are made.
         """
         law, field = self.laws, self.field
         gap = self.problem.height - separation + self.gain - field.moved - field.longer
@@ -178,20 +176,20 @@ class State:
         rise = float(np.sum(law.stiffness * error)) / total if total > 0.0 else 0.0
         self.gap, self.interference, self.error = gap - rise, interference - rise, error - rise
         self.separation = separation + rise
-        self.active = self.approach > 0.0
-        self.closing = np.flatnonzero((self.interference > 0.0) & ~self.active)
-        wrong = float(np.sum(law.stiffness * np.abs(self.error)))
-        self.sums = wrong, float(law.force.sum())
+        self.problem.laws.make_closing(self.interference)
+        self._linearize()
 
-    def linearize(self) -> None:
+    def _linearize(self) -> None:
         """Set the stiffness, growth, force and base of the active contacts, whose laws are made.
 
         A contact about to close has no stiffness yet. It is linearized at half of its interference,
         and its force there counts as an error.
         """
-        law, (error, load) = self.laws, self.sums
+        law, self.active = self.laws, self.approach > 0.0
+        error, load = float(np.sum(law.stiffness * np.abs(self.error))), float(law.force.sum())
         stiffness, growth, force, base = law.stiffness, law.growth, law.force, self.approach
-        fresh = self.closing[self.problem.laws.rows(self.closing).usable]
+        closing = np.flatnonzero((self.interference > 0.0) & ~self.active)
+        fresh = closing[self.problem.laws.rows(closing).usable]
         if fresh.size:
             self.active[fresh] = True
             half = 0.5 * self.interference[fresh]

@@ -87,7 +87,7 @@ def conjugate_gradients(
 
 
 class Step:
-    """A Newton step from a state after `State.linearize`: displacements are linear in the change of
+    """A Newton step from a state after `State.balance`: displacements are linear in the change of
     the forces, laws are not. Arrays run over the points of the tangent matrix, which `refine`
     changes."""
 
