@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import bisect
-from scipy.special import betainc
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.transforms import kappa, moments
-from surfaces.arrays import Array, Index, Mask
+from surfaces.arrays import Array, Index
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = [
@@ -29,7 +28,7 @@ __all__ = [
     "around",
     "basis_of",
     "corner_rule",
-    "pierced",
+    "radii_looked_at",
     "radius_at",
     "samples",
     "synthesis",
@@ -217,31 +216,13 @@ def turning_radius(basis: Basis) -> float:
 def _rise(basis: Basis) -> tuple[Array, Array]:
     """Radii [m] up to the turning radius, and the approaches D(a) [m] there; if that is infinite,
     so is the last of both."""
-    end = _end(basis, scan := _scan(basis))
-    grid = np.append(scan[scan < end], end)
+    looked_at = radii_looked_at(basis)
+    end = _end(basis, looked_at)
+    grid = np.append(looked_at[looked_at < end], end)
     return grid, basis.depth(grid) if np.isfinite(end) else np.array([np.inf])
 
 
-def pierced(basis: Basis, a: Array, approach: Array) -> Mask:
-    """Whether the mean profile of a table pierces the free surface beside circles of radius `a`
-    [m]: a flat part farther out touches before the contact has grown to it.
-
-    Notes
-    -----
-    The gap at r > a is ``c int_a^r (D(x) - d) x^m (r^2 - x^2)^(-(1+m)/2) dx`` with a positive c.
-    """
-    scan = _scan(basis)
-    if isinstance(basis, PowerBasis) or turning_radius(basis) == scan[-1]:
-        return np.zeros(a.shape, dtype=bool)
-    r = scan[scan <= basis.nodes[-1]]
-    ends = np.minimum(np.append(0.0, r) / r[:, None], 1.0)
-    weight = np.diff(betainc((1 + basis.m) / 2, (1 - basis.m) / 2, ends**2), axis=1)
-    middle = r - np.diff(r, prepend=0.0) / 2
-    above = np.where(middle > a[:, None], basis.depth(middle) - approach[:, None], 0.0)
-    return np.asarray(np.any(above @ weight.T < 0, axis=1))
-
-
-def _scan(basis: Basis) -> Array:
+def radii_looked_at(basis: Basis) -> Array:
     """Radii at which the sign of D' is looked at."""
     if isinstance(basis, TableBasis):
         r = basis.nodes
@@ -262,7 +243,7 @@ def _scan(basis: Basis) -> Array:
 
 
 def _end(basis: Basis, scan: Array) -> float:
-    """`turning_radius`, from the radii of `_scan`."""
+    """`turning_radius`, from the `radii_looked_at`."""
     if not basis.depth(scan[:1])[0] > 0:
         raise ModelRangeError(
             "the mean profile does not rise from its summit, so the approach has no contact; "

@@ -10,15 +10,25 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import betainc
 
 from asperity.errors import Flag
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ray_laws import bounded, expected_error
-from surfaces.arrays import Array, Index
+from surfaces.arrays import Array, Index, Mask
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .basis import Basis, PowerBasis, basis_of, pierced, radius_at, samples, synthesis
+from .basis import (
+    Basis,
+    PowerBasis,
+    basis_of,
+    radii_looked_at,
+    radius_at,
+    samples,
+    synthesis,
+    turning_radius,
+)
 from .indentation import Indentation, contour_flags, profile_flags
 from .pressure import axisymmetric, history, of_harmonics
 
@@ -195,7 +205,7 @@ def indent(
     flags = contour_flags(a, filled(first_order))
     flags |= profile_flags(profile, approach, phi, contour(phi))
     error = everywhere(expected_error(one.first, harmonic.second, published.second, law))
-    doubtful, apart = np.uint8(Flag.CONTOUR_DOUBTFUL), pierced(basis, a, approach)
+    doubtful, apart = np.uint8(Flag.CONTOUR_DOUBTFUL), _pierced(basis, a, approach)
     error[apart] = np.nan
     if law == "harmonic":
         cut = (area != one.second_order_area()) | (stiffness != free)
@@ -217,3 +227,22 @@ def indent(
         pressure_function=scaled if law == "paper" or similar else by_history,
         history_function=by_history,
     )
+
+
+def _pierced(basis: Basis, a: Array, approach: Array) -> Mask:
+    """Whether the mean profile of a table pierces the free surface beside circles of radius `a`
+    [m]: a flat part farther out touches before the contact has grown to it.
+
+    Notes
+    -----
+    The gap at r > a is ``c int_a^r (D(x) - d) x^m (r^2 - x^2)^(-(1+m)/2) dx`` with a positive c.
+    """
+    scan = radii_looked_at(basis)
+    if isinstance(basis, PowerBasis) or turning_radius(basis) == scan[-1]:
+        return np.zeros(a.shape, dtype=bool)
+    r = scan[scan <= basis.nodes[-1]]
+    ends = np.minimum(np.append(0.0, r) / r[:, None], 1.0)
+    weight = np.diff(betainc((1 + basis.m) / 2, (1 - basis.m) / 2, ends**2), axis=1)
+    middle = r - np.diff(r, prepend=0.0) / 2
+    above = np.where(middle > a[:, None], basis.depth(middle) - approach[:, None], 0.0)
+    return np.asarray(np.any(above @ weight.T < 0, axis=1))
