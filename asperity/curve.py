@@ -253,7 +253,7 @@ def _sweep(
             if interacting is not None:
                 interacting = handed_on(interacting, **at)
             interacting = decomposition.interacting.solve(state=interacting, **at)
-        found = terms(decomposition, point.state, nonrandom)
+        found = terms(decomposition, point, nonrandom)
         numbers = {name: getattr(point.state, name) for name in OF_CONTACTS}
         numbers |= {name: getattr(point.surface, name) for name in OF_SURFACE}
         numbers["contacts"] = spot_count(decomposition, point)

@@ -25,6 +25,7 @@ from surfaces.peaks.summits import locate_summits
 from .corrections.joined_pairs import join
 from .law_factory import LawFactory
 from .law_rows import LoadShares
+from .overlap import Blocks
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -149,6 +150,13 @@ class Decomposition:
     def corner(self) -> tuple[float, float]:
         """Coordinates (y, x) [m] on `hm` of the corner of the map `solved`."""
         return (0.0, 0.0) if self.plan.resampled is None else self.plan.resampled.corner
+
+    @functools.cached_property
+    def blocks(self) -> Blocks:
+        """The map `solved` by its blocks."""
+        summits, mean = self.summits, self.hm.roughness.mean
+        places = summits.y, summits.x
+        return Blocks.of(self.solved, mean, *places, self.material, wraps=self.wraps)
 
     @property
     def wraps(self) -> bool:

@@ -63,6 +63,9 @@ class LoadPoint:
         Separation, contact area and stiffness of the whole surface.
     closed_area
         Area [m^2] that touches within each contact, shape (n,).
+    overlap
+        How far the flat passes through the surface beside interacting contacts [-]
+        (`Blocks.overlap`).
     reason
         Why the point cannot be used, in one sentence; empty if it can.
     """
@@ -70,6 +73,7 @@ class LoadPoint:
     state: PopulationState
     surface: SurfacePoint
     closed_area: Array
+    overlap: float
     reason: str
 
     @property
@@ -95,8 +99,9 @@ def load_point(decomposition: Decomposition, state: PopulationState) -> LoadPoin
     found = decomposition.hm.roughness
     highest = found.highest - found.mean
     surface = surface_point(population, law, state, float(area.sum()), highest)
-    reason = _refusal(decomposition, state, surface) or state.reason
-    return LoadPoint(state, surface, area, reason)
+    overlap = _overlap(decomposition, state) if plan.interaction and state.active else 0.0
+    reason = _refusal(decomposition, state, surface, overlap) or state.reason
+    return LoadPoint(state, surface, area, overlap, reason)
 
 
 def point_at_separation(
@@ -165,15 +170,33 @@ def plastic_share(load: Array, area: Array, hardness: float) -> Array:
         return np.asarray(np.nan_to_num(np.minimum(load / (area * hardness), 1.0) ** 3))
 
 
-def _refusal(decomposition: Decomposition, state: PopulationState, surface: SurfacePoint) -> str:
+def _overlap(decomposition: Decomposition, state: PopulationState) -> float:
+    """Overlap of flat and surface (`Blocks.overlap`). Joined summits share the force of their
+    contact as separate paraboloids of one curvature would."""
+    summits = decomposition.summits
+    weight = np.maximum(_single_contacts(summits, state)[0], 0.0) ** 1.5
+    total = np.bincount(summits.owner, weight, len(weight))[summits.owner]
+    share = np.divide(weight, total, out=np.zeros(len(weight)), where=total > 0.0)
+    covered = state.contact_area / decomposition.population.nominal_area
+    return decomposition.blocks.overlap(
+        share * state.force[summits.owner], state.separation, covered
+    )
+
+
+def _refusal(
+    decomposition: Decomposition, state: PopulationState, surface: SurfacePoint, overlap: float
+) -> str:
     """Why separate contacts do not describe a point that was solved; empty if they do."""
     plan = decomposition.plan
     if state.mean_pressure > 0.0 and not surface.contact_area > 0.0:
         return "the contacts carry a load on no area: their laws do not hold there"
     if not plan.interaction:
         return ""
-    if surface.separation < 0.0 and plan.boundary == "periodic":
-        return "the mean gap would be negative: the contacts overlap too far to be separate"
+    if overlap > plan.parameters.limits.overlap:
+        return (
+            "beside the contacts the flat would pass through the surface: what touches there has "
+            "no summit of its own"
+        )
     closed = np.flatnonzero(state.force > 0)
     share = state.force[closed] / max(state.force.sum(), np.finfo(float).tiny)
     longer = np.exp(-np.sum(share * np.log(decomposition.aspect[closed])))

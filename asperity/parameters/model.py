@@ -231,6 +231,9 @@ class Limits:
         4:1 has 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
     area
         Largest contact area over that of the map [-].
+    overlap
+        Largest overlap of flat and surface beside the contacts [-] (`Blocks.overlap`): the mean gap
+        is zero, or they overlap on twice the area that touches.
     unsettled_area
         Largest contact area over that of the map [-] at which contacts that do not settle are tried
         once more from a lighter load; beyond it they are too crowded to be separate.
@@ -241,6 +244,7 @@ class Limits:
 
     long_area: float = 1.9
     area: float = 0.5
+    overlap: float = 1.0
     unsettled_area: float = 0.3
     power: float = 3e-3
 
@@ -259,6 +263,9 @@ class ErrorEstimate:
         Weights [-] of terms of `error_estimate.OUTSIDE_MODEL`, for load and area alike: the largest
         errors found if the whole load is on such contacts. Heights cut off at one rms height and a
         single wave: 0.7 to 0.99; tilted maps and cups: 0.15; single tips r and r^4: 0.8 to 1.6.
+    overlap
+        Weight [-] of the overlap of flat and surface beside the contacts
+        (docs/development/errors.md).
     overshoot, usual_overshoot
         Weight [-] of the height of summits above their highest pixels, over the approach; and the
         value [-] that random maps have, which is subtracted (docs/development/fits.md).
@@ -297,6 +304,7 @@ class ErrorEstimate:
     at_border: float = 0.15
     unsure: float = 1.0
     unresolved: float = 1.0
+    overlap: float = 1.0
     overshoot: float = 2.5
     usual_overshoot: float = 0.05
     pressed: float = 0.5

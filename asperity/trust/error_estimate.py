@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import Flag
-from asperity.interaction.population import PopulationState
 from asperity.microcontact.basin_bem.press import EXPECTED_ERROR
 from asperity.model.decomposition import Decomposition
+from asperity.model.load_point import LoadPoint
 from asperity.parameters import ErrorEstimate
 from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
@@ -45,14 +45,12 @@ CALIBRATED = "auto", "ellipse"
 """Laws for which the weights were fitted; with others the area is up to three times too large."""
 
 
-OUTSIDE_MODEL = "flat_tops", "at_border", "unsure", "unresolved", "overshoot"
+OUTSIDE_MODEL = "flat_tops", "at_border", "unsure", "unresolved", "overlap", "overshoot"
 """Names of the terms of contacts outside the model or not resolved by the map, and of their
 weights in `parameters.ErrorEstimate`."""
 
 
-def terms(
-    decomposition: Decomposition, state: PopulationState, nonrandom: float
-) -> dict[str, float]:
+def terms(decomposition: Decomposition, point: LoadPoint, nonrandom: float) -> dict[str, float]:
     """Terms of the error estimate at a load point, zero or more; `nonrandom` is `nonrandomness`.
 
     With the load shares w_i of the contacts, sum w_i = 1, two measures occur in several terms:
@@ -93,10 +91,13 @@ def terms(
     unresolved
         1/n - 1/`resolved_pixels`, zero or more, weighted by load, for contacts of n pixels; pixels
         of the finer of both grids if the map is solved on another one.
+    overlap
+        `LoadPoint.overlap`: ground beside the contacts, of which no summit tells.
     overshoot
         Height of summits above their highest pixels, over the approach and weighted by load, less
         `usual_overshoot`: the map does not tell where spikes, cliffs and sharp edges end.
     """
+    state = point.state
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
         return dict.fromkeys((*TERMS, *OUTSIDE_MODEL), 0.0)
@@ -135,6 +136,7 @@ def terms(
         "at_border": _cut_by_border(decomposition, closed, share, area) ** 2,
         "unsure": (share @ (spread >= bounds.unsure_error)) ** 2,
         "unresolved": share @ np.maximum(1.0 / resolved - 1.0 / bounds.resolved_pixels, 0.0),
+        "overlap": point.overlap,
         "overshoot": max(share @ np.clip(above, 0.0, 1.0) - bounds.usual_overshoot, 0.0),
     }
     return {name: float(value) for name, value in found.items()}

@@ -17,7 +17,15 @@ from surfaces.numerics.memory import Transform, along_both, require_memory
 from surfaces.numerics.stored_array import Source, blocks_of
 from surfaces.roughness import ROW_BANDS
 
-__all__ = ["Resampled", "coarse_map", "corner_of", "resample", "resample_waves", "shortest_wave"]
+__all__ = [
+    "Resampled",
+    "block_means",
+    "coarse_map",
+    "corner_of",
+    "resample",
+    "resample_waves",
+    "shortest_wave",
+]
 
 _POINTS_PER_WAVE = 8.0
 """Points per shortest wave of a coarser grid: it changes the contact curve no more than a shift of
@@ -241,6 +249,24 @@ def coarse_map(hm: HeightMap) -> Resampled | None:
 def _divisor(count: int, most: int) -> int:
     """Largest divisor of `count` that is no larger than `most`."""
     return next(part for part in range(most, 0, -1) if count % part == 0)
+
+
+def block_means(source: Source, blocks: tuple[int, int]) -> Array:
+    """Mean heights of equal blocks of an array, to a row and a column, of the shape `blocks`.
+
+    Examples
+    --------
+    >>> block_means(np.arange(12.0).reshape(3, 4), (1, 2)).tolist()
+    [[4.5, 6.5]]
+    """
+    first = [np.arange(k) * n // k for n, k in zip(source.shape, blocks, strict=True)]
+    count = [np.diff(at, append=n).astype(float) for at, n in zip(first, source.shape, strict=True)]
+
+    def by_column(_: slice, rows: NDArray[Any]) -> Array:
+        return np.add.reduceat(rows, first[1], axis=1, dtype=float)
+
+    sums = np.concatenate(list(parallel.over_rows(by_column, source)))
+    return np.asarray(np.add.reduceat(sums, first[0], axis=0) / np.multiply.outer(*count))
 
 
 def shortest_wave(hm: HeightMap, axis: int) -> float:

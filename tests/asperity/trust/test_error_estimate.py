@@ -99,7 +99,7 @@ def weak_point(unit=1.0, force=1.0):
         contact_area=6.0 * unit**2,
         filled_share=0.25,
     )
-    return decomposition, state, 0.5
+    return decomposition, SimpleNamespace(state=state, overlap=0.2), 0.5
 
 
 def test_terms_of_two_contacts():
@@ -123,6 +123,7 @@ def test_terms_of_two_contacts():
         "at_border": 0.0,
         "unsure": 0.0,
         "unresolved": share @ [1 / 2, 1] - 1 / FITTED.resolved_pixels,
+        "overlap": 0.2,
         "overshoot": share @ [0.3, 0.1] - FITTED.usual_overshoot,
     }
     assert found == pytest.approx(expected)
@@ -133,10 +134,10 @@ def test_terms_have_no_units():
 
 
 def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solved():
-    decomposition, state, odd = weak_point()
+    decomposition, point, odd = weak_point()
     decomposition.plan.sub_contact_law = SimpleNamespace(ratio=3.0)
     decomposition.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
-    found, whole = terms(decomposition, state, odd), terms(*weak_point())
+    found, whole = terms(decomposition, point, odd), terms(*weak_point())
     few, coarse = np.hypot(0.75, 0.25), whole["coarse_contacts"]
     expected = {**whole, "few_taken_out": 0.75 * few, "coarse_taken_out": 0.75 * coarse}
     expected["unresolved"] = 0.0  # pixels of the finer map
@@ -176,8 +177,8 @@ def test_a_single_wave_touches_along_all_of_its_ridge():
     area = [point.surface.contact_area / hm.area for point in run.points]
     np.testing.assert_allclose(area, exact, rtol=0.15)
     assert not curve.converged.any() and all("overlap end to end" in why for why in curve.reasons)
-    for state in states:
-        assert terms(run.decomposition, state, 0.0)["flat_tops"] == pytest.approx(1.0)
+    for point in run.points:
+        assert terms(run.decomposition, point, 0.0)["flat_tops"] == pytest.approx(1.0)
     assert np.isnan(curve.error_estimate).all()  # of such a lay it is not known
 
 
@@ -228,10 +229,10 @@ def test_on_a_cup_the_border_carries_and_the_stated_error_says_so(bend):
 
 
 def test_waves_have_no_such_contacts_and_a_shift_moves_none():
-    hm = waves()
+    hm, most = waves(), {"unresolved": 1e-3, "overlap": 0.05}
     for name in OUTSIDE_MODEL:
         curve = asperity.contact_curve(hm, BODY, pressures=default_pressures(hm, BODY, 3))
-        assert max(curve.extra[name]) < (1e-3 if name == "unresolved" else 1e-12)
+        assert max(curve.extra[name]) < most.get(name, 1e-12)
     steps = hm.replace(heights=np.round(hm.heights / hm.rms_height * 4) * hm.rms_height / 4)
     moved = steps.replace(heights=np.roll(steps.heights, (31, 52), (0, 1)))
     tops = [
@@ -289,7 +290,7 @@ def test_contacts_that_lost_their_area_are_judged():
     hm = waves()
     run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[:1])
     vars(run.points[0].state)["area"] = np.zeros(len(run.decomposition.population))
-    found = terms(run.decomposition, run.points[0].state, 0.0)
+    found = terms(run.decomposition, run.points[0], 0.0)
     assert np.isfinite(list(found.values())).all()
 
 
@@ -301,7 +302,7 @@ def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
     table.held.spread[table.place[force.argmax()]] = 1.0
     share = force.max() / force.sum()
     assert share < 0.8
-    found = terms(run.decomposition, run.points[0].state, 0.0)
+    found = terms(run.decomposition, run.points[0], 0.0)
     assert found["unsure"] == pytest.approx(share**2)
 
 
