@@ -10,6 +10,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from test_house import MOST_REACHED, reached
 
 import asperity
 from asperity.microcontact import laws
@@ -71,6 +72,11 @@ def test_a_correction_of_the_page_changes_the_laws_that_it_is_for(monkeypatch):
     changed = stated[1] > stated[0]
     assert changed.any() and not changed.all()
     np.testing.assert_allclose(stated[1][changed], 0.1)
+
+
+def test_a_law_or_a_correction_more_is_not_one_module_too_many():
+    """Or a fourth file would have to change."""
+    assert len(reached("asperity.curve")) + 1 <= MOST_REACHED
 
 
 def test_a_format_of_the_page_is_read_and_its_faults_are_told(tmp_path):

@@ -8,7 +8,8 @@ angular harmonic f_n(r) e^(i n phi)
 
 is the strength of the edge singularity that f_n leaves on a circle of radius a; n = 0 gives the
 approach D(a), and n = 2 put in for every harmonic gives the published contour. A power r^k has
-the closed multiplier e_n = kappa_m(k + n) a^k, a sampled ray weights for its samples.
+the closed multiplier e_n = kappa_m(k + n) a^k, a sampled ray weights for its samples. Tables of the
+contact laws are read by cubics through four neighboring nodes.
 """
 
 from __future__ import annotations
@@ -21,9 +22,16 @@ from scipy.linalg import eigh_tridiagonal
 from scipy.special import beta, betainc, betaincc, gammaln, roots_jacobi
 
 from surfaces.arrays import Array, Index
-from surfaces.numerics.cubics import lagrange
 
-__all__ = ["edge_weights", "gauss_jacobi", "kappa", "moment_weights", "moments"]
+__all__ = [
+    "count_below",
+    "edge_weights",
+    "gauss_jacobi",
+    "kappa",
+    "lagrange",
+    "moment_weights",
+    "moments",
+]
 
 
 _LARGE_EXPONENT = 2000.0
@@ -31,6 +39,8 @@ _LARGE_EXPONENT = 2000.0
 
 MOMENT_RADII, EDGE_RADII = 13, 25
 """Radii of a ray, from 0 to 1 of its length, at which moments and edge operator are given."""
+
+_OTHERS = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
 
 
 def kappa(m: float, k: ArrayLike) -> Array:
@@ -157,3 +167,31 @@ def _weights(m: float, nodes: int, order: int, radii: int) -> tuple[Array, Array
         np.add.at(value[n], four, weight * share)
         np.add.at(slope[n], four, weight * change * position[:, None])
     return value, slope
+
+
+def lagrange(nodes: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
+    """Weights, shape (..., 4), of the values at four `nodes`, (..., 4), in the value and in the
+    slope at `x`, (...), of the cubic through them.
+
+    Examples
+    --------
+    >>> value, slope = lagrange([0.0, 1.0, 2.0, 3.0], 1.5)
+    >>> (value * 16).tolist(), (slope * 24).tolist()
+    ([-1.0, 9.0, 9.0, -1.0], [1.0, -27.0, 27.0, -1.0])
+    """
+    node, at = np.asarray(nodes, dtype=float), np.asarray(x, dtype=float)
+    others = node[..., _OTHERS]
+    a, b, c = np.moveaxis(at[..., None, None] - others, -1, 0)
+    below = np.prod(node[..., None] - others, axis=-1)
+    return a * b * c / below, (a * b + b * c + c * a) / below
+
+
+def count_below(places: Array, at: Array) -> Index:
+    """Number of the `places` of a row, (n, k), that are below each of `at`, (n, l), shape (n, l).
+
+    Examples
+    --------
+    >>> count_below(np.array([[0.0, 1.0, 2.0]]), np.array([[0.5, 2.0]])).tolist()
+    [[1, 2]]
+    """
+    return np.asarray(np.count_nonzero(places[:, :, None] < at[:, None], axis=1))

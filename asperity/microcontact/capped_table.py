@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from asperity.halfspace.transforms import count_below, lagrange
 from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
-from surfaces.numerics.cubics import count_below, lagrange
 
 from .yielding import capped
 

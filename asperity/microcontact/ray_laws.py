@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.transforms import gauss_jacobi, moment_weights
+from asperity.halfspace.transforms import count_below, gauss_jacobi, lagrange, moment_weights
 from surfaces.arrays import Array, Index, Mask
 from surfaces.numerics import parallel
-from surfaces.numerics.cubics import count_below, lagrange
 
 from .law_table import INTERVALS, LawTable
 

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 from scipy.special import eval_jacobi, factorial, gamma, poch, roots_jacobi
 
+from asperity.halfspace.transforms import lagrange
 from surfaces.arrays import Array, Index
-from surfaces.numerics.cubics import lagrange
 
 __all__ = [
     "DEGREE",
