@@ -38,6 +38,11 @@ def test_other_sizes_are_cropped_to_the_overlap():
     assert both.shape == (32, 40) and not both.periodic
 
 
+def test_a_map_with_a_border_has_it_in_the_composite_too():
+    a, b = rough(1), rough(2).replace(periodic=False)
+    assert not surfaces.composite(a, b).periodic and not surfaces.composite(b, a).periodic
+
+
 def test_a_coarser_map_moves_to_the_finer_pixels():
     both = surfaces.composite(rough(1), rough(2, (16, 24), 2e-6))
     assert both.shape == (32, 48) and both.periodic
