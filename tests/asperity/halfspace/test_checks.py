@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import asperity
+from asperity.halfspace.checks import hardness_needed
 from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, self_affine, turned
 from surfaces.checks import lay
@@ -65,6 +66,12 @@ def test_the_lay_is_found_in_any_direction(angle):
     for ratio in (1.0, 4.0):
         hm = self_affine((160, 240), size, anisotropy=ratio, angle=angle, **case)
         assert lay(hm) == pytest.approx(ratio, rel=0.15)
+
+
+def test_a_graded_body_is_no_metal():
+    for m, count in ((0.0, 1), (0.2, 0)):
+        body = asperity.HalfSpace.from_modulus(1e11, m)
+        assert len(hardness_needed(smooth(), body)[1]) == count
 
 
 def test_errors_on_turned_ridges_are_not_stated():

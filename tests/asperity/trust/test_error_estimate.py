@@ -14,7 +14,14 @@ import asperity
 from asperity.errors import Flag, ModelRangeError
 from asperity.halfspace.load_points import default_pressures, pressure_scale
 from asperity.parameters import DEFAULTS
-from asperity.trust.error_estimate import OUTSIDE_MODEL, TERMS, nonrandomness, terms
+from asperity.trust.error_estimate import (
+    EXPECTED_ERROR,
+    OUTSIDE_MODEL,
+    TERMS,
+    estimate,
+    nonrandomness,
+    terms,
+)
 from surfaces import HeightMap, PowerLawProfile, resample, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
@@ -142,6 +149,39 @@ def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solve
     expected = {**whole, "few_taken_out": 0.75 * few, "coarse_taken_out": 0.75 * coarse}
     expected["unresolved"] = 0.0  # pixels of the finer map
     assert found == pytest.approx(expected)
+
+
+def test_the_border_of_a_punch_cuts_a_contact_by_the_part_of_its_radius():
+    decomposition, state, odd = weak_point()
+    decomposition.plan.boundary = "free"
+    decomposition.places = np.array([3.0, 1.5, 3.0]), np.array([2.0, 2.0, 2.0])
+    outside = 1.0 - 0.5 / np.sqrt(2.0 / np.pi)  # the outermost points are half a pixel inside
+    found = terms(decomposition, state, odd)["at_border"]
+    assert found == pytest.approx((0.25 * outside) ** 2)
+
+
+@pytest.mark.parametrize(("wide", "left"), [(0.9, 1.0 - FITTED.pressed), (1.1, 1.0)])
+def test_a_flat_top_that_is_pressed_alone_counts_less_unless_it_is_wide(wide, left):
+    decomposition, state, odd = weak_point()
+    top = wide * FITTED.wide_top * decomposition.hm.area
+    decomposition.top_areas = np.array([top, 0.0, 0.0])
+    decomposition.population.table.spread_at = lambda rows, depth: np.full(2, EXPECTED_ERROR)
+    decomposition.summits.dip = np.ones(3)
+    decomposition.summits.peaks.min_prominence = 0.5
+    found = terms(decomposition, state, odd)["flat_tops"]
+    assert found == pytest.approx(0.75 * min(top / 4.0, 1.0) * left)
+
+
+def test_the_plastic_part_of_the_area_is_known():
+    """The estimate falls to a least share of it; contacts outside the model keep their terms."""
+    values = {name: np.ones(3) for name in TERMS}
+    slope, least = FITTED.yielded
+    share = np.array([0.0, 1.0 - 0.5 / slope, 1.0])
+    found = estimate(values, FITTED.area_weights, FITTED, share)
+    np.testing.assert_allclose(found, sum(FITTED.area_weights) * np.array([1.0, 0.5, least]))
+    outside = {**values, "flat_tops": np.ones(3)}
+    more = estimate(outside, FITTED.area_weights, FITTED, share) - found
+    np.testing.assert_allclose(more, FITTED.flat_tops)
 
 
 def test_random_waves_are_not_odd_and_spikes_are():
