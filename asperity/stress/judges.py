@@ -46,7 +46,7 @@ AS_A_RULE = 1e-3
 """Difference allowed between answers to questions that are the same [-]."""
 
 SHARE_OF_STATED = 0.1
-"""The same, over the error that the answers state."""
+"""Difference allowed between such answers, over the error that they state [-]."""
 
 TOLERANCE = 1e-6
 """Tolerance of boundary elements where their certificate is judged."""
