@@ -11,7 +11,7 @@ from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.errors import ConvergenceError, InputError
 from asperity.halfspace.load_points import default_pressures
-from surfaces import self_affine
+from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
 
@@ -69,3 +69,16 @@ def test_pressures_of_both_models_are_drawn_as_maps_are():
         (drawn,) = plot(ax=axes, cmap="gray").images
         np.testing.assert_allclose(drawn.get_array(), pressure / 1e6)
         assert axes.child_axes[0].get_ylabel() == "pressure [MPa]"
+
+
+def test_a_spot_across_the_seam_has_its_centre_on_the_hill():
+    """Its pixels lie in all four corners of the map."""
+    y, x = (2.0 * np.pi * np.arange(n) / n for n in (48, 60))
+    hm = HeightMap(0.01 * (np.cos(y)[:, None] + np.cos(x)), (1.5e-2, 1e-2), periodic=True)
+    body = asperity.HalfSpace.from_modulus(1.0)
+    run = solve_contacts(hm, body, separations=[0.8 * float(hm.heights.max())])
+    (spot,) = run.spots()
+    assert spot["pixels"] > 20
+    for place, step, size in zip("yx", hm.spacing, hm.size, strict=True):
+        away = np.mod(spot[place] - 0.5 * step + 0.5 * size, size) - 0.5 * size
+        assert abs(away) < 0.05 * step
