@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from strategies import rough
 
 from asperity import HalfSpace, InputError, bem_curve, bem_solve
+from asperity.bem.bounds import load_error
 from asperity.halfspace.load_points import default_pressures
 from surfaces import HeightMap, self_affine
 
@@ -231,6 +234,31 @@ def test_the_bound_holds_at_separations_near_full_contact(m):
             assert error <= curve.error_estimate[0] < 1.3 * stated
             area = abs(curve.contact_area[0] / exact.contact_area - 1.0)
             assert area <= curve.extra["area_error_estimate"][0]
+
+
+@pytest.mark.parametrize(("unsure", "part"), [(0.05, 0.0), (0.2, 0.2), (3.0, 1.0)])
+def test_near_full_contact_the_load_lies_below_the_chord_to_it(unsure, part):
+    """A convex load over separation ends at the load of full contact, twice the present one here;
+    the level is `unsure` by this part of the separation."""
+    problem = SimpleNamespace(
+        boundary="periodic",
+        own=1.0,
+        full_contact=4.0,
+        finest=SimpleNamespace(heights=np.zeros((4, 5)), mean_height=0.0),
+    )
+    reading = SimpleNamespace(
+        certificate=SimpleNamespace(worst=0.0),
+        level=-0.01,
+        scale=0.01,
+        total=2.0 * 20,
+        moment=1e9,
+        plastic_work=0.0,
+        weakest=0.0,
+    )
+    solution = SimpleNamespace(
+        reading=reading, tolerance=unsure, stiffness=1e-6, goal=SimpleNamespace(level=-0.01)
+    )
+    assert load_error(problem, solution) == pytest.approx(part, abs=1e-6)
 
 
 @pytest.mark.parametrize(("waves_across", "shape"), [(3, (64, 48)), (2, (48, 32))])
