@@ -16,7 +16,6 @@ from .numerics.stored_array import Source, sampled_lines, windows
 
 __all__ = [
     "constant",
-    "copied",
     "digits_warning",
     "fine_waves_random",
     "fineness",
@@ -36,6 +35,9 @@ SLOPES = 1e-6, 10.0
 
 ROUNDED = 1e-3
 """Least rounding of heights over their rms value that is warned of."""
+
+SINGLE = 2.0**29
+"""Rounding of numbers of single precision over that of double precision."""
 
 SPIKE = 3.0
 """Least height of a spike above all its neighbors, in rms heights: noise reaches 2.5, a map that is
@@ -57,10 +59,6 @@ STRAIGHT_TO = 1e-6
 EVEN_TOPS = 4
 """Most columns whose top is the highest of a random map: a summit may lie midway between points."""
 
-COPY = 0.999
-"""Least correlation of a map of copies with itself, moved or mirrored: 0.92 at most on 120 random
-maps, some of them of waves of half their length alone."""
-
 LENGTH_OVER_DISTANCE = 6
 """Least length of a line over the distance of differences: few longer waves fit a line."""
 
@@ -75,15 +73,38 @@ HIGHEST_SHARE, SEARCHED_LINES = 0.02, 16
 """
 
 
-def digits_warning(largest: float, rms_height: float) -> list[str]:
-    """Heights [m] with an offset so large that their rounding is part of the roughness."""
-    rounding = math.ulp(largest)
-    if not 0.0 < rms_height < rounding / ROUNDED:
+def digits_warning(hm: HeightMap) -> list[str]:
+    """Heights with an offset so large that their rounding is part of the roughness, or all of it.
+
+    Notes
+    -----
+    Numbers of single precision in any unit are known by the least difference of heights in some
+    rows. What rounding to single precision hides of a constant map is told from the least slope of
+    a measured surface on.
+    """
+    found = hm.roughness
+    rounding, single = math.ulp(found.largest), SINGLE * math.ulp(found.largest)
+    if found.rms_height == 0.0:
+        if found.largest == 0.0 or single < SLOPES[0] * min(hm.spacing):
+            return []
+        return [
+            f"the map is constant: numbers of single precision near {found.largest:.3g} m are "
+            f"{single:.2g} m apart, of double {rounding:.2g} m, and hide finer roughness: subtract "
+            "the mean of the heights before they are rounded"
+        ]
+    least = ROUNDED * found.rms_height
+    if rounding < least < 2.0 * single:
+        rows = sampled_lines(hm.source, 1)
+        apart = np.diff(np.unique(rows[np.isfinite(rows)]).astype(np.float64))
+        apart = apart[apart > 2.0 * rounding]
+        if apart.size and 0.25 * single <= apart.min() <= 2.0 * single:
+            rounding = float(apart.min())
+    if rounding < least:
         return []
     return [
-        f"heights of {largest:.3g} m are rounded to {rounding:.2g} m, "
-        f"{100 * rounding / rms_height:.2g} % of the rms height: subtract their mean before they "
-        "are rounded"
+        f"heights of {found.largest:.3g} m are rounded to {rounding:.2g} m, "
+        f"{100 * rounding / found.rms_height:.2g} % of the rms height: subtract their mean before "
+        "they are rounded"
     ]
 
 
@@ -285,31 +306,6 @@ def random_map(hm: HeightMap, allowed: float) -> bool:
         for axis in (0, 1)
         for kurtosis, count in _kurtosis(hm.source, axis, hm.periodic)
     )
-
-
-def copied(hm: HeightMap) -> bool:
-    """Whether a map consists of copies of one part, beside each other or mirrored: parts of it are
-    no independent samples then.
-
-    No point may be missing.
-
-    Notes
-    -----
-    The correlations are sums over x of h(x) h(x + s), for shifts s from a quarter of the length to
-    three quarters, and of h(x) h(s - x), over some lines along each axis.
-    """
-    for axis in (0, 1):
-        waves = np.fft.rfft(sampled_lines(hm.source, axis), axis=1)
-        waves[:, 0] = 0.0
-        moved, mirrored = (
-            np.fft.irfft(power.sum(axis=0), hm.shape[axis])
-            for power in (waves * waves.conj(), waves * waves)
-        )
-        quarter = -(-moved.size // 4)
-        largest = max(moved[quarter : moved.size - quarter + 1].max(initial=0.0), mirrored.max())
-        if largest > COPY * moved[0] > 0.0:
-            return True
-    return False
 
 
 def _kurtosis(heights: Source, axis: int, periodic: bool) -> Iterator[tuple[float, float]]:

@@ -46,9 +46,9 @@ def scene_warnings(hm: HeightMap, material: HalfSpace) -> list[str]:
     """One sentence for each reason why any answer about a contact may be wrong."""
     found = hm.roughness
     if found.rms_height == 0.0:
-        return modulus_warning(material)
+        return [*digits_warning(hm), *modulus_warning(material)]
     return [
-        *digits_warning(found.largest, found.rms_height),
+        *digits_warning(hm),
         *unit_warning(found.rms_slope),
         *modulus_warning(material),
         *_steep_warning(found.rms_slope),

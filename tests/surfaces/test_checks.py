@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surfaces
-from surfaces.checks import copied, fine_waves_random, random_map
+from surfaces.checks import fine_waves_random, random_map
 
 SHAPE, ALLOWED = (512, 480), 0.25
 
@@ -80,30 +80,3 @@ def test_random_waves_have_a_kurtosis_of_three():
         np.tile(np.sin(np.arange(40.0)), (30, 1)), (1.0, 1.0), periodic=True
     )
     assert ridges.roughness.kurtosis[0] == np.inf
-
-
-COPIES = {
-    "two tiles": lambda part: np.vstack([part, part]),
-    "nine tiles": lambda part: np.tile(part, (3, 3)),
-    "mirrored": lambda part: np.hstack([part, part[:, ::-1]]),
-}
-
-
-@pytest.mark.parametrize("name", COPIES)
-def test_copies_of_a_part_are_told_wherever_they_begin(name):
-    part = surfaces.self_affine((96, 90), (96.0, 90.0), hurst=0.8, rms_slope=0.1, seed=4)
-    assert not copied(part)
-    heights = COPIES[name](part.heights)
-    heights = np.roll(heights, (17, 5), axis=(0, 1)) + 1e-6 * np.random.default_rng(1).random(
-        heights.shape
-    )
-    for some in heights, heights.T, -heights:
-        assert copied(surfaces.HeightMap(some, (1.0, 1.0), periodic=True))
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_waves_as_long_as_a_map_are_no_copies(seed):
-    hm = surfaces.self_affine(
-        (128, 96), (128.0, 96.0), hurst=1.0, rms_slope=0.1, cutoff=48.0, seed=seed
-    )
-    assert not copied(hm)

@@ -308,3 +308,30 @@ def test_parts_do_not_tell_of_a_body_that_yields_or_is_graded(m):
     metal = asperity.HalfSpace.from_modulus(1.0, m, hardness=np.inf if m else 0.02)
     with pytest.raises(asperity.InputError, match="the body yields"):
         asperity.solve(waves(), metal, engine="sampled")
+
+
+COPIES = {
+    "two tiles": lambda part: np.vstack([part, part]),
+    "nine tiles": lambda part: np.tile(part, (3, 3)),
+    "mirrored": lambda part: np.hstack([part, part[:, ::-1]]),
+}
+
+
+@pytest.mark.parametrize("name", COPIES)
+def test_copies_of_a_part_are_told_wherever_they_begin(name):
+    part = surfaces.self_affine((96, 90), (96.0, 90.0), hurst=0.8, rms_slope=0.1, seed=4)
+    assert not parts.copied(part)
+    heights = COPIES[name](part.heights)
+    heights = np.roll(heights, (17, 5), axis=(0, 1)) + 1e-6 * np.random.default_rng(1).random(
+        heights.shape
+    )
+    for some in heights, heights.T, -heights:
+        assert parts.copied(surfaces.HeightMap(some, (1.0, 1.0), periodic=True))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_waves_as_long_as_a_map_are_no_copies(seed):
+    hm = surfaces.self_affine(
+        (128, 96), (128.0, 96.0), hurst=1.0, rms_slope=0.1, cutoff=48.0, seed=seed
+    )
+    assert not parts.copied(hm)

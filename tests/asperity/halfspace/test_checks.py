@@ -98,3 +98,24 @@ def test_a_curve_carries_the_warnings_of_its_map(tmp_path):
     assert "check the unit" in str(curve)
     curve.to_hdf5(tmp_path / "c.h5")
     assert asperity.ContactCurve.from_hdf5(tmp_path / "c.h5").settings == curve.settings
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 25.4e-3])
+def test_digits_that_single_precision_took_are_told(unit):
+    """A tenth of the rms height was rounding, and the area 3 % off, without a word."""
+    away = smooth().heights + 4e5 * smooth().rms_height
+    single = (away / unit).astype(np.float32).astype(np.float64) * unit
+    (warning,) = [text for text in map_warnings(smooth(heights=single)) if "rounded to" in text]
+    rounding = np.spacing(np.float32(away.max() / unit)) * unit
+    assert f"rounded to {rounding:.2g} m" in warning
+    for untouched in (away, np.round(away, 7), smooth().heights.astype(np.float32)):
+        assert not any("rounded" in text for text in map_warnings(smooth(heights=untouched)))
+
+
+@pytest.mark.parametrize(("height", "told"), [(0.0, False), (1e-9, False), (100.0, True)])
+def test_a_map_that_rounding_made_constant_is_told(height, told):
+    """Full contact was certified of 2 nm of roughness at 100 m in single precision."""
+    rough = 2e-9 * np.random.default_rng(1).normal(size=(12, 15))
+    heights = ((height == 100.0) * rough + height).astype(np.float32)
+    solved = asperity.bem_curve(HeightMap(heights, 1e-7), BODY, pressures=[1e6])
+    assert any("the map is constant" in text for text in solved.settings["warnings"]) == told
