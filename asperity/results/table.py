@@ -113,8 +113,9 @@ class CurveTable:
         for name, values in extra.items():
             if values.shape[:1] != (n,):
                 raise InputError(f"{name} has shape {values.shape}; expected ({n}, ...)")
-            if values.dtype.kind not in "biufcSU":
-                raise InputError(f"{name} is {shown(values)}; it must hold numbers or texts")
+            text = "" if name in AXES or name in HOW_SOLVED else " or texts"
+            if values.dtype.kind not in ("biufcSU" if text else "biuf"):
+                raise InputError(f"{name} is {shown(values)}; it must hold numbers{text}")
             extra[name] = self._held(name, values)
         object.__setattr__(self, "extra", extra)
 

@@ -152,6 +152,10 @@ def test_text_of_any_length_in_files_of_earlier_versions_is_read(tmp_path):
         (lambda group: group.attrs.__delitem__("settings"), "lacks settings"),
         (lambda group: _replaced(group, "load", [b"heavy"] * 12), "column load holds no numbers"),
         (lambda group: _replaced(group, "load", [1.0]), r"load has shape \(1,\)"),
+        (
+            lambda group: group.__setitem__("extra/area_error_estimate", [b"small"] * 12),
+            "area_error_estimate is .* must hold numbers",
+        ),
     ],
 )
 def test_a_curve_with_a_column_missing_or_in_words_is_one_sentence(tmp_path, change, match):
