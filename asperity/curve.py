@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from asperity.compilation import compile_ahead, curve_parts
 from asperity.errors import cautious
-from asperity.halfspace.load_points import checked_loads, map_facts, pressure_scale
 from asperity.halfspace.material import HalfSpace, require_half_space
+from asperity.halfspace.scene import checked_loads, map_facts, pressure_scale
 from asperity.interaction.population import handed_on
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import (

@@ -165,7 +165,7 @@ def _bem() -> None:
     hardness."""
     from asperity.bem.convolution import plan
     from asperity.bem.curve import bem_curve
-    from asperity.halfspace.load_points import default_pressures
+    from asperity.halfspace.scene import default_pressures
 
     hm = small_map()
     low, high = default_pressures(hm, BODY, count=2)

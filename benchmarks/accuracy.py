@@ -47,7 +47,7 @@ from textures import textures
 import asperity
 import surfaces
 from asperity.contacts.run import solve_contacts
-from asperity.halfspace.load_points import AREA_OVER_LOAD, area_over_pressure, pressure_scale
+from asperity.halfspace.scene import AREA_OVER_LOAD, area_over_pressure, pressure_scale
 from asperity.model.plan import SCALES, make_plan
 from asperity.results.storage import write_csv
 

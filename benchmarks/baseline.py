@@ -28,7 +28,7 @@ from scipy.interpolate import PchipInterpolator
 import asperity
 import surfaces
 from asperity.comparison.other_grids import rms
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from asperity.results.storage import write_csv
 
 Array = NDArray[np.float64]

@@ -27,7 +27,7 @@ import asperity
 import surfaces
 from asperity.engine.cost import can_anchor, cheapest, forecast
 from asperity.engine.parts import can_sample
-from asperity.halfspace.load_points import default_pressures, pressure_scale
+from asperity.halfspace.scene import default_pressures, pressure_scale
 from asperity.trust.verified import Accuracy
 
 WAVES = [*SPECTRA, {"hurst": 0.8, "cutoff": 4.0}, {"hurst": 0.5, "cutoff": 6.0, "rolloff": 40.0}]

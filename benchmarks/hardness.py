@@ -25,7 +25,7 @@ from common import errors, measured, pressures_at
 
 import asperity
 import surfaces
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.results.storage import write_csv
 
 MODULUS, SLOPE, PIXEL = 1e11, 0.1, 1e-6

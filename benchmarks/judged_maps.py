@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 import asperity
 import surfaces
 from asperity.contacts.run import solve_contacts
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.parameters import DEFAULTS, Parameters
 
 __all__ = ["Scene", "errors", "reference", "scenes"]

@@ -25,7 +25,7 @@ from textures import TEXTURES
 import asperity
 import surfaces
 from asperity.engine.parts import can_sample
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from asperity.trust.verified import Accuracy
 
 DRAWN, HILLS = 14, 8

@@ -29,7 +29,7 @@ from made_surfaces import made_surfaces
 from textures import textures
 
 import asperity
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 
 TRUTH = 0.003
 """Accuracy in area of the reference: its load is known to a third of that."""

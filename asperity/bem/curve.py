@@ -14,16 +14,16 @@ from numpy.typing import ArrayLike
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError, cautious, warn_once
-from asperity.halfspace.checks import scene_warnings
-from asperity.halfspace.load_points import (
+from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import (
     as_pressed,
     checked_loads,
     chosen_boundary,
     expected_area_fraction,
     map_facts,
     pressure_scale,
+    scene_warnings,
 )
-from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import POINT_FIELDS

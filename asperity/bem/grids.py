@@ -7,7 +7,7 @@ import math
 import numpy as np
 import scipy.fft
 
-from asperity.halfspace.load_points import Boundary
+from asperity.halfspace.scene import Boundary
 from surfaces.arrays import Array, Index
 from surfaces.numerics import parallel
 from surfaces.preparation.resampling import resample_waves

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from asperity.halfspace.load_points import Boundary
+from asperity.halfspace.scene import Boundary
 from surfaces.numerics import memory
 
 __all__ = ["estimated_bytes", "fits", "require_memory"]

@@ -6,8 +6,8 @@ import numpy as np
 import scipy.fft
 
 from asperity.halfspace.influence import compliance, influence, symbol_quadrant
-from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import Boundary
 from surfaces.arrays import Array
 from surfaces.numerics.parallel import threads
 

@@ -12,8 +12,8 @@ import scipy.fft
 
 from asperity.errors import InputError
 from asperity.halfspace.influence import influence, symbol_quadrant
-from asperity.halfspace.load_points import chosen_boundary
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import chosen_boundary
 from surfaces.arrays import Array
 from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap, require_full

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.errors import Flag, InputError, cautious, warn_once
-from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
+from asperity.halfspace.scene import modulus_warning
 from surfaces.arrays import Array
 from surfaces.errors import as_count, as_numbers
 

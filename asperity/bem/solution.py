@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.load_points import Boundary
+from asperity.halfspace.scene import Boundary
 from surfaces.arrays import Array, Mask
 from surfaces.drawing import draw_field
 from surfaces.heightmap import HeightMap

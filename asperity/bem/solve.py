@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.errors import InputError, cautious, warn_once
-from asperity.halfspace.checks import scene_warnings
-from asperity.halfspace.load_points import (
+from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import (
     as_pressed,
     checked_load,
     chosen_boundary,
     expected_area_fraction,
     require_scene,
+    scene_warnings,
 )
-from asperity.halfspace.material import HalfSpace
 from surfaces.arrays import Array
 from surfaces.errors import as_numbers
 from surfaces.heightmap import HeightMap

@@ -45,7 +45,7 @@ def _compare(
 ) -> Mapping[str, Any]:
     from asperity.bem.curve import bem_curve
     from asperity.comparison.run import compare
-    from asperity.halfspace.load_points import checked_loads
+    from asperity.halfspace.scene import checked_loads
     from asperity.results.resume import require_continuable, with_held
     from asperity.results.storage import columns, write_csv, write_results
 

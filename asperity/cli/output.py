@@ -100,7 +100,7 @@ def solve_and_keep(
 
     With `chained`, missing points are solved with all others (`run_resumably`).
     """
-    from asperity.halfspace.load_points import checked_loads
+    from asperity.halfspace.scene import checked_loads
     from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, **loads)

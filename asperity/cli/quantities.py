@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asperity.errors import InputError
-from asperity.halfspace.load_points import MOST_LOADS
+from asperity.halfspace.scene import MOST_LOADS
 from surfaces import units
 from surfaces.arrays import Array
 

@@ -69,7 +69,7 @@ def _solve(
     hm: HeightMap, material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace
 ) -> Mapping[str, Any]:
     from asperity.engine.solve import solve
-    from asperity.halfspace.load_points import checked_loads
+    from asperity.halfspace.scene import checked_loads
     from asperity.results.curve import read_results
     from asperity.results.resume import require_continuable, with_held
     from asperity.results.storage import ResultFile, write_results

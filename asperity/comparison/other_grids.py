@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 import surfaces
 from asperity.bem.curve import SolvedLoad, bem_curve
 from asperity.engine.resolution import between_grids
-from asperity.halfspace.load_points import Boundary
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import Boundary
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import structured
 from surfaces.arrays import Array

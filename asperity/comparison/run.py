@@ -15,8 +15,8 @@ from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
 from asperity.errors import ConvergenceError, InputError, cautious, warn_once
-from asperity.halfspace.load_points import checked_loads, default_pressures, map_facts
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import checked_loads, default_pressures, map_facts
 from asperity.model.plan import Plan, make_plan, require_plan
 from asperity.progress import Progress, reported, require_function
 from asperity.results.curve import ContactCurve, require_facts

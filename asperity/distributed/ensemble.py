@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 import surfaces
 from asperity.errors import ConvergenceError, InputError
-from asperity.halfspace.load_points import default_pressures
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import default_pressures
 from asperity.progress import Progress, reported
 from surfaces.arrays import Array
 from surfaces.errors import as_count, as_number, as_numbers, as_path, as_truth

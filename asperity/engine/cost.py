@@ -11,8 +11,8 @@ from asperity.parameters import ENGINE
 from .parts import parts_along, statistically_homogeneous
 
 if TYPE_CHECKING:
-    from asperity.halfspace.load_points import Boundary
     from asperity.halfspace.material import HalfSpace
+    from asperity.halfspace.scene import Boundary
     from asperity.model.plan import Plan
     from surfaces.heightmap import HeightMap
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from asperity.halfspace.checks import model_warnings
+from asperity.halfspace.scene import model_warnings
 from asperity.parameters import ENGINE
 from asperity.trust.verified import (
     answered,

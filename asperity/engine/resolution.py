@@ -13,9 +13,8 @@ from asperity.bem.answer import answer
 from asperity.bem.curve import SolvedLoad
 from asperity.bem.load_path import LoadPath
 from asperity.bem.problem import ContactProblem
-from asperity.halfspace.checks import COARSE
-from asperity.halfspace.load_points import Boundary, closed_share
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import COARSE, Boundary, closed_share
 from asperity.parameters import ENGINE
 from surfaces.arrays import Array, Mask
 from surfaces.checks import resolution_warning, seam_warning, straight_warning

@@ -15,9 +15,14 @@ from asperity.bem.memory import fits
 from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import ContactRun, solve_contacts
 from asperity.errors import InputError, ModelRangeError, cautious, warn_once
-from asperity.halfspace.checks import scene_warnings
-from asperity.halfspace.load_points import Boundary, as_pressed, checked_loads, chosen_boundary
 from asperity.halfspace.material import HalfSpace, require_half_space
+from asperity.halfspace.scene import (
+    Boundary,
+    as_pressed,
+    checked_loads,
+    chosen_boundary,
+    scene_warnings,
+)
 from asperity.model.plan import make_plan
 from asperity.parameters import ENGINE
 from asperity.progress import Progress, reported, require_function

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from asperity.curve import solve_loads
 from asperity.errors import InputError, cautious, warn_once
-from asperity.halfspace.load_points import checked_loads
 from asperity.halfspace.material import HalfSpace, require_half_space
+from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported

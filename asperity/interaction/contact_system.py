@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
-from asperity.halfspace.load_points import known_boundary
 from asperity.halfspace.material import require_half_space
+from asperity.halfspace.scene import known_boundary
 from asperity.interaction.newton.laws import Laws
 from asperity.parameters import DEFAULTS, Parameters
 from surfaces.arrays import Array, Index

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from asperity.errors import InputError
-from asperity.halfspace.load_points import checked_load
+from asperity.halfspace.scene import checked_load
 from asperity.interaction.newton.laws import LEAST_BATCH
 from surfaces.errors import as_number
 

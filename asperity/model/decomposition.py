@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.load_points import as_pressed
+from asperity.halfspace.scene import as_pressed
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.hertz import axis_ratios
 from surfaces.arrays import Array, Index

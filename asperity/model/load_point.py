@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.multiscale.sub_contact_law import SurfacePoint, closed_areas, surface_point
 from surfaces.arrays import Array, Index
 from surfaces.numerics.compiled import compiled

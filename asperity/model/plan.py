@@ -13,14 +13,16 @@ from numpy.typing import ArrayLike
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError, ModelRangeError, SurfaceError
-from asperity.halfspace.checks import hardness_needed, model_warnings, scene_warnings
-from asperity.halfspace.load_points import (
+from asperity.halfspace.scene import (
     Boundary,
     as_pressed,
     checked_loads,
     chosen_boundary,
     expected_area_fraction,
+    hardness_needed,
+    model_warnings,
     require_scene,
+    scene_warnings,
 )
 from asperity.microcontact.laws import TABULATORS
 from asperity.multiscale.wave_split import chosen_grid

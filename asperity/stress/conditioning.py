@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from asperity.bem.solve import bem_solve
-from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import pressure_scale
 
 from .case import BEM, Case
 from .judges import refuse

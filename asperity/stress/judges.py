@@ -20,8 +20,8 @@ from asperity.bem.solve import bem_solve
 from asperity.curve import contact_curve
 from asperity.engine.solve import solve
 from asperity.errors import AsperityError
-from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import pressure_scale
 from asperity.results.curve import ContactCurve
 from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap

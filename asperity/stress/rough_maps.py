@@ -9,8 +9,8 @@ import numpy as np
 
 from asperity.bem.curve import bem_curve
 from asperity.bem.solve import bem_solve
-from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import pressure_scale
 from surfaces.arrays import Array
 from surfaces.heightmap import HeightMap
 from surfaces.preparation.resampling import resample

@@ -12,7 +12,7 @@ import asperity
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.errors import InputError, SurfaceError
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from asperity.model.plan import make_plan
 from asperity.parameters import DEFAULTS, Segmentation
 from surfaces import HeightMap, self_affine

@@ -10,7 +10,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.errors import ModelRangeError
-from asperity.halfspace.load_points import default_pressures, pressure_scale
+from asperity.halfspace.scene import default_pressures, pressure_scale
 from asperity.microcontact.laws import tabulate
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.halfspace.load_points import default_pressures, pressure_scale
+from asperity.halfspace.scene import default_pressures, pressure_scale
 from asperity.interaction.ewald.operator import Interaction
 
 BODY = asperity.HalfSpace.from_modulus(1.0)

@@ -21,7 +21,7 @@ from golden.maps import CASES, LOADS, Case, height_map, material
 from llvmlite import binding
 
 import asperity
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from surfaces.numerics.parallel import set_threads, threads
 
 FILE = Path(__file__).with_name("curves.json")

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.errors import Flag, InputError, ModelRangeError, cautious, warn_once
-from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
+from asperity.halfspace.scene import modulus_warning
 from surfaces.arrays import Array
 from surfaces.errors import as_choice, as_sizes
 from surfaces.polar import PolarProfile, PowerSumProfile

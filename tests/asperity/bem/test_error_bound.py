@@ -10,7 +10,7 @@ from strategies import rough
 
 from asperity import HalfSpace, InputError, bem_curve, bem_solve
 from asperity.bem.bounds import load_error
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from surfaces import HeightMap, self_affine
 
 BODY = HalfSpace.from_modulus(1.0)

@@ -11,7 +11,7 @@ import asperity
 import surfaces
 from asperity.contacts.fields import pressed_pixels
 from asperity.contacts.run import ContactRun, solve_contacts
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
 from surfaces.files.stored_map import StoredMap

@@ -10,7 +10,7 @@ import asperity
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.errors import ConvergenceError, InputError
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)

@@ -11,7 +11,7 @@ from strategies import broad
 import asperity
 from asperity.engine import part_misfit
 from asperity.engine.parts import _load_shares
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
 

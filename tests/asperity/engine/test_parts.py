@@ -11,7 +11,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.engine import part_misfit, parts
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from asperity.trust.verified import Accuracy
 from surfaces.files.stored_map import StoredMap
 from surfaces.numerics import stored_array

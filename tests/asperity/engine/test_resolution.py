@@ -13,7 +13,7 @@ from asperity.bem import part
 from asperity.bem.answer import answer
 from asperity.engine import resolution
 from asperity.engine.resolution import PIXELS, narrow_share, opened_share
-from asperity.halfspace.load_points import closed_share, default_pressures
+from asperity.halfspace.scene import closed_share, default_pressures
 
 BODY = HalfSpace.from_modulus(1.0)
 

@@ -9,7 +9,7 @@ import surfaces
 from asperity import ContactCurve, HalfSpace, InputError, bem_curve, contact_curve, solve
 from asperity.engine.cost import can_anchor, cheapest, forecast
 from asperity.errors import ModelRangeError
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from asperity.model.plan import make_plan
 
 BODY = HalfSpace.from_modulus(1.0)

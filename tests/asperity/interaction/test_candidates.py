@@ -11,7 +11,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.contacts.run import solve_contacts
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.interaction import candidates as module
 from asperity.interaction import population as population_module
 from asperity.interaction.candidates import PAIR_LIST_SKIN

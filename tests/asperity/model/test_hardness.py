@@ -8,7 +8,7 @@ from strategies import broad
 
 import asperity
 import surfaces
-from asperity.halfspace.load_points import area_over_pressure, default_pressures
+from asperity.halfspace.scene import area_over_pressure, default_pressures
 
 LOADS = np.array([5e-3, 2e-2, 8e-2])
 """Area fractions, about."""

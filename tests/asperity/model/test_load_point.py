@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from surfaces import HeightMap, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(2e11)

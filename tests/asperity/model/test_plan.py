@@ -10,8 +10,8 @@ import pytest
 
 from asperity import contact_curve, solve_contacts
 from asperity.errors import InputError, SurfaceError
-from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import make_plan
 from asperity.parameters import DEFAULTS, ENGINE, Segmentation
 from surfaces import HeightMap, self_affine

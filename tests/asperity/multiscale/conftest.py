@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from strategies import STEEL, broad
 
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from surfaces import HeightMap
 
 

@@ -12,7 +12,7 @@ import asperity
 import surfaces
 from asperity.cli.main import main
 from asperity.contacts.run import solve_contacts
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import load_point
 from asperity.model.plan import make_plan

@@ -13,7 +13,7 @@ import asperity
 import surfaces
 from asperity.errors import InputError
 from asperity.halfspace.influence import compliance
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import make_plan
 from asperity.multiscale.wave_split import refined_map, split_scales
 from asperity.parameters import DEFAULTS, PixelWaves

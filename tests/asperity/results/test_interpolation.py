@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness, log_ratio
 from surfaces import self_affine

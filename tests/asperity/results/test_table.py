@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import asperity
 from asperity.errors import InputError
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import POINT_FIELDS
 from asperity.results.resume import run_resumably

@@ -12,7 +12,7 @@ import pytest
 
 import asperity
 from asperity.errors import Flag, ModelRangeError
-from asperity.halfspace.load_points import default_pressures, pressure_scale
+from asperity.halfspace.scene import default_pressures, pressure_scale
 from asperity.parameters import DEFAULTS
 from asperity.trust.error_estimate import (
     EXPECTED_ERROR,

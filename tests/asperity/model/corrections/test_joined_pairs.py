@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.interaction.elongation import Elongation
 from asperity.microcontact.basin_bem import press
 from asperity.model.corrections.joined_pairs import join

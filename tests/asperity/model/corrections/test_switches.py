@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.model.law_factory import CORRECTIONS
 from asperity.parameters import DEFAULTS, Corrections, Parameters
 from surfaces import HeightMap, self_affine

@@ -8,7 +8,7 @@ from strategies import sampled
 
 import asperity
 import surfaces
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.microcontact import tabulate
 from asperity.model.corrections import tilted_basins
 from asperity.model.corrections.tilted_basins import area_under
