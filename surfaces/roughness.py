@@ -21,7 +21,8 @@ ROW_BANDS = 32
 
 @dataclass(frozen=True)
 class Roughness:
-    """Means over the points present; differences that meet a missing point are left out.
+    """Means over the points present; differences that meet a missing point are left out, and those
+    across the border of a periodic map counted.
 
     Attributes
     ----------
@@ -36,9 +37,8 @@ class Roughness:
     curvature
         Root-mean-square second differences (along y, along x) over the squared spacing [1/m].
     kurtosis
-        Kurtosis of the second differences (along y, along x), those across the border of a periodic
-        map among them: 3 for random waves, more for spikes, steps and worn plateaus; infinite
-        along an axis that does not vary.
+        Kurtosis of the second differences (along y, along x): 3 for random waves, more for spikes,
+        steps and worn plateaus; infinite along an axis that does not vary.
     missing
         Number of missing points.
     tops, rows
@@ -83,8 +83,7 @@ class Roughness:
 def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> Roughness:
     """Means over a map of heights [m], (ny, nx), NaN where missing, which `HeightMap` keeps.
 
-    Differences do not cross the border, but for those of the kurtosis. Heights are summed relative
-    to the first one present.
+    Heights are summed relative to the first one present.
     """
     ny, nx = heights.shape
     bands = min(ROW_BANDS, ny)
@@ -94,7 +93,7 @@ def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> 
     start = _first_present(heights)
 
     def part(first: int, last: int) -> Array:
-        out = np.zeros(19)
+        out = np.zeros(23)
         for begin, end, window in windows(heights, bounds[first], bounds[last], below=2):
             _sums(
                 *(window, ny, begin, end, start, bounds, first, last),
@@ -104,12 +103,12 @@ def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> 
 
     total = np.sum(parallel.run(part, parallel.lines(bands, ny * nx)), axis=0)
     number, first, second = total[0], total[1], total[2]
-    seam = total[13:] if periodic else np.zeros(6)
+    differences = total[3:13] + total[13:] if periodic else total[3:13]
     mean = first / number
     dy, dx = spacing
     rms = [
-        math.sqrt(total[k + 1] / total[k]) / scale if total[k] else 0.0
-        for k, scale in ((3, dy), (8, dx), (5, dy * dy), (10, dx * dx))
+        math.sqrt(differences[k + 1] / differences[k]) / scale if differences[k] else 0.0
+        for k, scale in ((0, dy), (5, dx), (2, dy * dy), (7, dx * dx))
     ]
     return Roughness(
         mean=float(start + mean),
@@ -118,7 +117,7 @@ def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> 
         highest=float(tops.max()),
         slope=(rms[0], rms[1]),
         curvature=(rms[2], rms[3]),
-        kurtosis=(_kurtosis(total[5:8] + seam[:3]), _kurtosis(total[10:13] + seam[3:])),
+        kurtosis=(_kurtosis(differences[2:5]), _kurtosis(differences[7:10])),
         missing=int(ny * nx - number),
         tops=tops,
         rows=rows,
@@ -160,10 +159,10 @@ def _sums(
     """Sums over the rows [begin, end) in the bands [first, last) and the differences that begin
     there, of a map of `ny` rows of which row i is ``window[(i - begin) % len(window)]``.
 
-    Adds to `out` (19,) the number, sum and sum of squares of the heights about `start`; along y and
+    Adds to `out` (23,) the number, sum and sum of squares of the heights about `start`; along y and
     then x the number and sum of squares of the first differences, and the number, sums of squares
-    and of fourth powers of the second ones; and the last three of those second differences that
-    cross the border as if the map were repeated. The lowest height of every column of a band lowers
+    and of fourth powers of the second ones; and these ten of the differences that cross the border
+    as if the map were repeated. The lowest height of every column of a band lowers
     `lows`, the highest raises `tops`, and its row is kept in `rows`, all of shape (bands, nx).
     """
     held, nx = window.shape
@@ -184,8 +183,8 @@ def _sums(
                     out[0] += 1.0
                     out[1] += z - start
                     out[2] += (z - start) * (z - start)
-                _add_point(z, below[j], beneath[j], ny - i, out, 3, 13)
-                _add_point(z, here[(j + 1) % nx], here[(j + 2) % nx], nx - j, out, 8, 16)
+                _add_point(z, below[j], beneath[j], ny - i, out, 3)
+                _add_point(z, here[(j + 1) % nx], here[(j + 2) % nx], nx - j, out, 8)
 
 
 @inner(fastmath=SUMS)
@@ -228,10 +227,10 @@ def _add_row(
     out[0] += count
     out[1] += total
     out[2] += square
-    if i + 1 < ny:
-        out[3] += count
-        out[4] += down
-    bends = 5 if i + 2 < ny else 13
+    steps = 3 if i + 1 < ny else 13
+    out[steps] += count
+    out[steps + 1] += down
+    bends = 5 if i + 2 < ny else 15
     out[bends] += count
     out[bends + 1] += down_bend
     out[bends + 2] += down_fourth
@@ -244,15 +243,16 @@ def _add_row(
 
 
 @inner()
-def _add_point(a: float, b: float, c: float, left: int, out: Array, at: int, seam: int) -> None:
+def _add_point(a: float, b: float, c: float, left: int, out: Array, at: int) -> None:
     """Add the differences present of three points in a line, of which `left` are in the map."""
     d = b - a
     e = (c - b) - d
-    if d == d and left > 1:
-        out[at] += 1.0
-        out[at + 1] += d * d
+    if d == d:
+        steps = at if left > 1 else at + 10
+        out[steps] += 1.0
+        out[steps + 1] += d * d
     if e == e:
-        bends = at + 2 if left > 2 else seam
+        bends = at + 2 if left > 2 else at + 12
         out[bends] += 1.0
         out[bends + 1] += e * e
         out[bends + 2] += (e * e) * (e * e)

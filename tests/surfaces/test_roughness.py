@@ -36,6 +36,29 @@ def test_same_means_as_numpy(shape, missing):
     assert_allclose([*found.slope, *found.curvature], by_numpy(hm), rtol=1e-12)
 
 
+@pytest.mark.parametrize("missing", [False, True])
+@pytest.mark.parametrize("shape", [(3, 4), (150, 133)])
+def test_a_periodic_map_has_no_border(shape, missing):
+    """Slopes and curvatures left out the seam, and depended on where the map was cut."""
+    h = np.random.default_rng(2).normal(size=shape)
+    if missing:
+        h[0, 0] = h[1, 2:4] = np.nan
+    dy, dx = spacing = (0.3, 0.7)
+    found, moved = (
+        surfaces.HeightMap(z, spacing, periodic=True).roughness
+        for z in (h, np.roll(h, (2, 3), (0, 1)))
+    )
+    steps = [(np.roll(h, -1, axis) - h) / d for axis, d in ((0, dy), (1, dx))]
+    bends = [
+        (np.roll(h, -1, axis) - 2 * h + np.roll(h, 1, axis)) / d**2
+        for axis, d in ((0, dy), (1, dx))
+    ]
+    exact = [np.sqrt(np.nanmean(change**2)) for change in (*steps, *bends)]
+    assert_allclose([*found.slope, *found.curvature], exact, rtol=1e-12)
+    assert_allclose([*moved.slope, *moved.curvature], exact, rtol=1e-12)
+    assert_allclose(moved.kurtosis, found.kurtosis, rtol=1e-12)
+
+
 @pytest.mark.parametrize("shape", [(3, 4), (150, 133)])
 def test_highest_points_of_the_columns_of_each_band(shape):
     h = np.random.default_rng(4).normal(size=shape)
