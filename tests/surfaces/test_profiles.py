@@ -303,7 +303,7 @@ def test_refusals():
 def test_straight_ridges_round_a_periodic_cell_end_in_a_curve():
     hm = surfaces.HeightMap(np.tile(np.arange(32) % 16, (32, 1)) * 1e-8, 1e-6, periodic=True)
     body = asperity.HalfSpace.from_modulus(1e9)
-    assert (asperity.contact_curve(hm, body, pressures=[1e4, 1e5]).load > 0).all()
+    assert (asperity.contact_curve(hm, body, pressures=[1e3, 1e4]).load > 0).all()
 
 
 def test_a_tilt_along_a_level_ridge_of_a_periodic_map_comes_to_an_end():

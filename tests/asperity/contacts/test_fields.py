@@ -110,7 +110,7 @@ def test_maps_are_mirrored_with_the_surface_on_a_grid_twice_as_fine():
         mirrored = run_of(hm.replace(heights=turned(hm.heights)), load=(4e-2,), interaction=False)
         one, other = run.pressure_map(), turned(mirrored.pressure_map())
         # at the edge of a contact pressure rises from nothing within a pixel
-        assert other == pytest.approx(one, rel=1e-5, abs=1e-9 * one.max())
+        assert other == pytest.approx(one, rel=1e-4, abs=1e-9 * one.max())
 
 
 def test_nothing_touches_at_no_load(broad):
@@ -138,10 +138,10 @@ def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
 def test_a_plateau_bears_its_load():
     """Where all heights of a contact are equal none lies over the next one: pressures were NaN."""
     wave = 1e-7 * np.cos(2 * np.pi * 3 * (np.arange(48) + 0.5) / 48)
-    pits = HeightMap(-np.maximum(wave + wave[:, None], 0.0), (1e-6, 1e-6), periodic=True)
-    run = solve_contacts(pits, STEEL, pressures=[1e6, 1e8])
+    tops = HeightMap(np.minimum(wave + wave[:, None], 0.5e-7), (1e-6, 1e-6), periodic=True)
+    run = solve_contacts(tops, STEEL, pressures=[1e6, 1e8])
     for point, load in enumerate(run.curve.load):
-        assert run.pressure_map(point).mean() * pits.area == pytest.approx(load)
+        assert run.pressure_map(point).mean() * tops.area == pytest.approx(load)
         assert run.spots(point)["force"].sum() == pytest.approx(load)
 
 
