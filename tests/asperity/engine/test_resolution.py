@@ -108,7 +108,7 @@ def test_resolved_contacts_are_told_without_another_solution():
     hm = waves(12.0)
     curve = solve(hm, BODY)
     assert curve.verification["resolution_uncertainty"] == list(PIXELS.floor)
-    load, area = difference(hm, curve.mean_pressure)
+    load, area = difference(hm, curve.mean_pressure[3:])  # of 100 pixels: one of 20 is 5 %
     assert load <= PIXELS.floor[0] and area <= PIXELS.floor[1]
     assert not any("pixels" in warning for warning in curve.settings["warnings"])
 
