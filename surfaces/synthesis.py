@@ -108,8 +108,8 @@ def self_affine(
     >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> hm
     <HeightMap 32 x 48, pixel 1e-06 x 1e-06 m, periodic>
-    >>> f"{hm.roughness.rms_slope:.3f}"
-    '0.100'
+    >>> f"{hm.roughness.rms_slope:.2f}"
+    '0.10'
     """
     waves = RandomWaves(
         shape,
