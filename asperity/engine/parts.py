@@ -53,8 +53,8 @@ maps, some of them of waves of half their length alone."""
 def statistically_homogeneous(hm: HeightMap, plan: Plan) -> bool:
     """Whether a map consists of random waves without a long lay: its contacts are statistically
     alike, so that the misfit is that of a few places and changes slowly with the load."""
-    doubts = model_warnings(hm, PARTS.longest_lay)
-    return not doubts and random_map(hm, plan.parameters.pixel_waves.kurtosis)
+    warned = model_warnings(hm, PARTS.longest_lay)
+    return not warned and random_map(hm, plan.parameters.pixel_waves.kurtosis)
 
 
 def copied(hm: HeightMap) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import fft, ndimage
+from scipy import fft
 
 from asperity.halfspace.influence import compliance, near_influence, symbol_quadrant
 from surfaces.arrays import Array, Index
@@ -45,12 +45,16 @@ class Blocks:
         many on a free half-space.
     padded
         Shape of these blocks.
+    about
+        Weights of the blocks about each row (by, by) and each column (bx, bx), by which gaps are
+        averaged: a Gaussian of `WINDOW`.
     """
 
     heights: Array
     place: Index
     transfer: Array
     padded: tuple[int, int]
+    about: tuple[Array, Array]
 
     @classmethod
     def of(
@@ -75,7 +79,9 @@ class Blocks:
             near = np.pad(near_influence(shape, spacing, material.m), ((0, 1), (0, 1)))
             transfer = fft.rfft2(near[rows[:, None], cols]).real
         transfer *= compliance(spacing, material) / (spacing[0] * spacing[1])
-        return cls(block_means(hm.source, shape) - mean, row * shape[1] + col, transfer, padded)
+        heights, place = block_means(hm.source, shape) - mean, row * shape[1] + col
+        about = _window(shape[0], wraps=wraps), _window(shape[1], wraps=wraps)
+        return cls(heights, place, transfer, padded, about)
 
     def gaps(self, force: Array, separation: float) -> Array:
         """Mean gaps [m] about each block, shape (by, bx), under forces [N] on the summits, (n,)."""
@@ -83,9 +89,8 @@ class Blocks:
         load = np.bincount(self.place, force, ny * nx).reshape(ny, nx)
         waves = fft.rfft2(load, s=self.padded) * self.transfer
         displaced = fft.irfft2(waves, s=self.padded)[:ny, :nx]
-        mode = "wrap" if self.padded == (ny, nx) else "nearest"
-        gap = separation - self.heights + displaced
-        return np.asarray(ndimage.gaussian_filter(gap, WINDOW, mode=mode))
+        rows, columns = self.about
+        return np.asarray(rows @ (separation - self.heights + displaced) @ columns.T)
 
     def overlap(self, force: Array, separation: float, contact_share: float) -> float:
         """How far the flat passes through the surface beside contacts with the forces [N], (n,),
@@ -102,3 +107,11 @@ class Blocks:
         known = contact_share + len(np.unique(self.place[force > 0.0])) / gap.size
         wider = float(np.mean(gap < 0.0)) / known - 1.0
         return (beyond / between if between > 0.0 else np.inf) + max(wider, 0.0)
+
+
+def _window(count: int, *, wraps: bool) -> Array:
+    """Weights of `count` blocks about each of them, (count, count), of the sum 1."""
+    away = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    away = np.minimum(away, count - away) if wraps else away
+    weight = np.exp(-0.5 * np.square(away / WINDOW))
+    return np.asarray(weight / weight.sum(axis=1, keepdims=True))

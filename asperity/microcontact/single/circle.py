@@ -237,10 +237,10 @@ def _pierced(basis: Basis, a: Array, approach: Array) -> Mask:
     -----
     The gap at r > a is ``c int_a^r (D(x) - d) x^m (r^2 - x^2)^(-(1+m)/2) dx`` with a positive c.
     """
-    scan = radii_looked_at(basis)
-    if isinstance(basis, PowerBasis) or turning_radius(basis) == scan[-1]:
+    looked_at = radii_looked_at(basis)
+    if isinstance(basis, PowerBasis) or turning_radius(basis) == looked_at[-1]:
         return np.zeros(a.shape, dtype=bool)
-    r = scan[scan <= basis.nodes[-1]]
+    r = looked_at[looked_at <= basis.nodes[-1]]
     ends = np.minimum(np.append(0.0, r) / r[:, None], 1.0)
     weight = np.diff(betainc((1 + basis.m) / 2, (1 - basis.m) / 2, ends**2), axis=1)
     middle = r - np.diff(r, prepend=0.0) / 2
